@@ -1,0 +1,48 @@
+# make run does everything: set-up, the study, its report. make help lists the rest.
+
+PYTHON ?= python3
+STUDY ?=
+# Further options of snakemake, such as ARGS="--cores 1" or ARGS=--dry-run.
+ARGS ?=
+
+BIN := $(abspath .venv)/bin
+# Scripts of the workflow that call `python` must find this one.
+export PATH := $(BIN):$(PATH)
+
+STAMP := .venv/.installed
+FILES := config.yaml $(filter-out config.yaml,$(STUDY))
+
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+.PHONY: help setup run test lint clean
+
+help: ## this list
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
+
+setup: $(STAMP) ## the environment .venv with everything in it
+
+$(STAMP): pyproject.toml constraints.txt
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints.txt --editable ".[test]"
+	@touch $@
+
+run: $(STAMP) ## a study and its report: make run, make run STUDY=studies/smoke.yaml
+	@folder=$$($(BIN)/abradem config --folder $(FILES)) && \
+	$(BIN)/snakemake --configfile $(FILES) $(ARGS) && \
+	$(BIN)/snakemake --configfile $(FILES) --report $$folder/report.html --quiet && \
+	echo $$folder/report.html
+
+test: $(STAMP) ## all tests
+	$(BIN)/python -m pytest
+
+lint: $(STAMP) ## style of the code and of the workflow
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/snakemake --lint
+
+clean: ## remove all results and caches; the environment stays
+	find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
+	rm -rf .snakemake .pytest_cache .ruff_cache .hypothesis build dist
+	find src tests workflow -name __pycache__ -exec rm -rf {} +

@@ -1,0 +1,66 @@
+"""From the ranges in config.yaml to a wear data set, models, figures and a report.
+
+snakemake                                               the study of config.yaml
+snakemake --configfile config.yaml studies/smoke.yaml   another study, an overlay on it
+snakemake dataset                                       up to one stage
+"""
+
+import sys
+from pathlib import Path
+
+try:
+    import abradem.config
+except ModuleNotFoundError as error:
+    sys.exit(
+        f"{error.name} is not installed in {sys.executable}: "
+        f"run `make setup`, or `pip install -e .` in {workflow.basedir}"
+    )
+
+
+configfile: "config.yaml"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/sampling.smk"
+include: "workflow/rules/simulation.smk"
+include: "workflow/rules/dataset.smk"
+include: "workflow/rules/learning.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/report.smk"
+
+
+localrules:
+    all,
+    sampling,
+    simulation,
+    learning,
+    figures,
+    exports,
+    documents,
+
+
+# The overview of all stages; `snakemake --list` names the others.
+rule all:
+    default_target: True
+    input:
+        rules.sampling.input,
+        rules.simulation.input,
+        rules.dataset.output,
+        rules.failures.output,
+        rules.learning.input,
+        rules.figures.input,
+        rules.documents.input,
+        rules.exports.input,
+
+
+onstart:
+    print(abradem.config.estimate(CONFIG, workflow.cores), file=sys.stderr)
+    MONITOR.start(to_simulate(workflow.dag.needrun_jobs()))
+
+
+onsuccess:
+    MONITOR.stop()
+
+
+onerror:
+    MONITOR.stop()

@@ -1,0 +1,34 @@
+"""abradem: from ranges of material and geometry to a wear data set, models and figures.
+
+Importing the package is light: numba, torch, scikit-learn and matplotlib load where used.
+"""
+
+from __future__ import annotations
+
+import importlib
+
+__version__ = "0.1.0"
+
+_LAZY = {
+    "Case": "abradem.dem",
+    "Setup": "abradem.dem",
+    "Material": "abradem.dem",
+    "Interaction": "abradem.dem",
+    "ContactModel": "abradem.dem",
+    "SimulationResult": "abradem.dem",
+    "Impact": "abradem.dem",
+    "simulate": "abradem.dem",
+    "single_impact": "abradem.dem",
+}
+
+__all__ = ["__version__", *_LAZY]
+
+
+def __getattr__(name: str):
+    if name in _LAZY:
+        return getattr(importlib.import_module(_LAZY[name]), name)
+    raise AttributeError(f"module 'abradem' has no attribute {name!r}")
+
+
+def __dir__():
+    return sorted(__all__)

@@ -1,0 +1,36 @@
+"""The discrete-element engine: spheres poured on an inclined plate, and the wear they do.
+
+`model` holds what goes in and comes out; the kernels load when they are first used.
+"""
+
+from __future__ import annotations
+
+from abradem.dem.model import (
+    Case,
+    ContactModel,
+    Impact,
+    Interaction,
+    Material,
+    Setup,
+    SimulationResult,
+)
+
+__all__ = [
+    "Case",
+    "ContactModel",
+    "Impact",
+    "Interaction",
+    "Material",
+    "Setup",
+    "SimulationResult",
+    "simulate",
+    "single_impact",
+]
+
+
+def __getattr__(name: str):
+    if name not in ("simulate", "single_impact"):
+        raise AttributeError(f"module 'abradem.dem' has no attribute {name!r}")
+    from abradem.dem import impact, simulation
+
+    return {"simulate": simulation.simulate, "single_impact": impact.single_impact}[name]

@@ -1,0 +1,217 @@
+"""The contact law: Hertz-Mindlin with viscous damping, Coulomb's cap and rolling resistance.
+
+Symbols: d overlap, n unit normal (towards the particle the force acts on), v_n speed of
+separation, S = sqrt(d), Q = d^{1/4}; stiffnesses and dampings are
+``F = kn d S - cn Q v_n``, ``k_t = kt S``, ``c_t = ct Q``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from abradem.dem.cache import kernel
+from abradem.dem.damping import exact_beta, nominal_beta
+from abradem.dem.model import ContactModel, Interaction, Material
+
+DAMPING_CAPPED, DAMPING_NONE, DAMPING_UNCAPPED = 0, 1, 2
+_DAMPING_CODES = {
+    "capped": DAMPING_CAPPED,
+    "none": DAMPING_NONE,
+    "uncapped": DAMPING_UNCAPPED,
+}
+
+
+class Law(NamedTuple):
+    """Constants of one kind of contact, SI."""
+
+    kn: float
+    cn: float
+    kt: float
+    ct: float
+    static_friction: float
+    rolling_friction: float
+    clipped: bool
+    incremental: bool
+    tangential_damping: int
+
+
+def effective_youngs_modulus(a: Material, b: Material) -> float:
+    """1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, Pa (Hertz)."""
+    return 1.0 / (
+        (1.0 - a.poisson_ratio**2) / a.youngs_modulus
+        + (1.0 - b.poisson_ratio**2) / b.youngs_modulus
+    )
+
+
+def effective_shear_modulus(a: Material, b: Material) -> float:
+    """1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa (Mindlin)."""
+    return 1.0 / (
+        (2.0 - a.poisson_ratio) / a.shear_modulus + (2.0 - b.poisson_ratio) / b.shear_modulus
+    )
+
+
+def make_law(
+    a: Material,
+    b: Material,
+    interaction: Interaction,
+    model: ContactModel,
+    radius: float,
+    mass: float,
+) -> Law:
+    """Return the constants of a contact.
+
+    Parameters
+    ----------
+    a, b : Material
+    interaction : Interaction
+    model : ContactModel
+    radius, mass : float
+        Effective radius R* (m) and mass m* (kg) of the pair.
+    """
+    e_star = effective_youngs_modulus(a, b)
+    g_star = effective_shear_modulus(a, b)
+    nominal = nominal_beta(interaction.restitution)
+    beta = exact_beta(interaction.restitution) if model.normal == "exact_e" else nominal
+    root = math.sqrt(radius)
+    scale = 2.0 * math.sqrt(5.0 / 6.0)
+    return Law(
+        kn=4.0 / 3.0 * e_star * root,
+        cn=scale * beta * math.sqrt(2.0 * e_star * root * mass),
+        kt=8.0 * g_star * root,
+        ct=scale * nominal * math.sqrt(8.0 * g_star * root * mass),
+        static_friction=interaction.static_friction,
+        rolling_friction=interaction.rolling_friction,
+        clipped=model.normal != "nominal_attractive",
+        incremental=model.tangential == "incremental",
+        tangential_damping=_DAMPING_CODES[model.tangential_damping],
+    )
+
+
+def hertz_overlap(law: Law, mass: float, speed: float) -> float:
+    """Largest overlap of an elastic impact, (5 m* v^2 / (4 k))^{2/5}, m (Hertz)."""
+    return (5.0 * mass * speed**2 / (4.0 * law.kn)) ** 0.4
+
+
+def hertz_duration(law: Law, mass: float, speed: float) -> float:
+    """Duration of an elastic impact, 2.94327 d_max / v, s (Hertz)."""
+    return 2.9432750 * hertz_overlap(law, mass, speed) / speed
+
+
+@kernel(inline=True)
+def normal_force(law, overlap, separation_speed):
+    """Return (F_n, S, Q): total normal force (N) and the roots of the overlap."""
+    s = math.sqrt(overlap)
+    q = math.sqrt(s)
+    force = law.kn * overlap * s - law.cn * q * separation_speed
+    if law.clipped and force < 0.0:
+        force = 0.0
+    return force, s, q
+
+
+@kernel(inline=True)
+def entry_share(overlap, approach):
+    """Return the part of a step that was spent in contact, for the step that opens it.
+
+    ``approach`` is the distance by which the surfaces neared in the step, m.
+    """
+    if approach > overlap:
+        return overlap / approach
+    return 1.0
+
+
+@kernel(inline=True)
+def rotated(spring, n):
+    """Return the spring turned into the plane normal to ``n``, its length kept."""
+    length2 = spring[0] ** 2 + spring[1] ** 2 + spring[2] ** 2
+    if length2 == 0.0:
+        return spring
+    along = spring[0] * n[0] + spring[1] * n[1] + spring[2] * n[2]
+    x = spring[0] - along * n[0]
+    y = spring[1] - along * n[1]
+    z = spring[2] - along * n[2]
+    left2 = x * x + y * y + z * z
+    if left2 == 0.0:
+        return 0.0, 0.0, 0.0
+    scale = math.sqrt(length2 / left2)
+    return x * scale, y * scale, z * scale
+
+
+@kernel(inline=True)
+def tangential_force(law, fn, s, q, n, spring, k_before, du, vt):
+    """Return the tangential force, the new spring, its stiffness, stored energy and slip flag.
+
+    Parameters
+    ----------
+    law : Law
+    fn, s, q : float
+        From `normal_force`.
+    n : tuple of float
+        Unit normal.
+    spring : tuple of float
+        Spring force, N (incremental), or accumulated displacement, m, of the step before.
+    k_before : float
+        Tangential stiffness of the step before, N/m; 0 in the step of entry.
+    du : tuple of float
+        Tangential displacement in contact during the step, m.
+    vt : tuple of float
+        Predicted tangential velocity at the contact point, m/s.
+    """
+    k = law.kt * s
+    spring = rotated(spring, n)
+    if law.incremental:
+        if k_before == 0.0:
+            # The overlap grows linearly from zero, so the mean of its root is 2/3.
+            factor, mean = 1.0, 2.0 / 3.0 * k
+        else:
+            factor, mean = min(k / k_before, 1.0), 0.5 * (k_before + k)
+        fx = factor * spring[0] - mean * du[0]
+        fy = factor * spring[1] - mean * du[1]
+        fz = factor * spring[2] - mean * du[2]
+    else:
+        fx = -k * (spring[0] + du[0])
+        fy = -k * (spring[1] + du[1])
+        fz = -k * (spring[2] + du[2])
+
+    cap = law.static_friction * abs(fn)
+    stretched = math.sqrt(fx * fx + fy * fy + fz * fz)
+    slips = False
+    if law.tangential_damping == DAMPING_CAPPED:
+        c = law.ct * q
+        tx = fx - c * vt[0]
+        ty = fy - c * vt[1]
+        tz = fz - c * vt[2]
+        trial = math.sqrt(tx * tx + ty * ty + tz * tz)
+        if trial > cap:
+            slips = True
+            tx, ty, tz = tx * cap / trial, ty * cap / trial, tz * cap / trial
+    else:
+        tx, ty, tz = fx, fy, fz
+        if stretched > cap:
+            slips = True
+            tx, ty, tz = fx * cap / stretched, fy * cap / stretched, fz * cap / stretched
+        elif law.tangential_damping == DAMPING_UNCAPPED:
+            c = law.ct * q
+            tx, ty, tz = fx - c * vt[0], fy - c * vt[1], fz - c * vt[2]
+    # The spring itself never holds more than the cap. Setting it to cap minus damping instead
+    # would feed energy in.
+    if stretched > cap:
+        scale = cap / stretched
+        fx, fy, fz = fx * scale, fy * scale, fz * scale
+        stretched = cap
+    energy = 0.5 * stretched * stretched / k
+    if law.incremental:
+        spring = (fx, fy, fz)
+    else:
+        spring = (-fx / k, -fy / k, -fz / k)
+    return (tx, ty, tz), spring, k, energy, slips
+
+
+@kernel(inline=True)
+def slowed(spin, loss):
+    """Return the spin, its magnitude lowered by ``loss`` (rad/s) and never reversed."""
+    magnitude = math.sqrt(spin[0] ** 2 + spin[1] ** 2 + spin[2] ** 2)
+    if magnitude <= loss:
+        return 0.0, 0.0, 0.0
+    scale = 1.0 - loss / magnitude
+    return spin[0] * scale, spin[1] * scale, spin[2] * scale

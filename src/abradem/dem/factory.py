@@ -1,0 +1,152 @@
+"""Release of particles: from the factory's patch at a given rate, or from a given schedule.
+
+The k-th particle is due at k / rate. Its place on the patch is drawn until it overlaps nothing;
+what finds no room waits and tries again, in turn, so that a crowded patch delivers less.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from abradem.dem.cache import kernel
+from abradem.dem.counter_random import uniform
+from abradem.dem.neighbours import append_pairs
+from abradem.dem.plate import plate_distance
+from abradem.dem.state import (
+    DONE,
+    FLYING,
+    GONE,
+    NEEDS_ROOM,
+    NOT_YET,
+    STOP_CROWDED,
+    STOP_RELEASE,
+    energy_of,
+)
+
+TRIES = 20
+"""Places tried for a particle before it waits."""
+
+
+@kernel
+def due_step(problem, k):
+    """Lattice step at which particle k of the factory is due."""
+    return np.int64(math.ceil(k / (problem.rate * problem.dt)))
+
+
+@kernel
+def _is_free(problem, particles, x, y, z, near, near_count):
+    """Whether a new particle at a place would overlap neither the plate nor those near it."""
+    for k in range(near_count):
+        other = particles[near[k]]
+        dx, dy, dz = x - other.x, y - other.y, z - other.z
+        if dx * dx + dy * dy + dz * dz < 4.0 * problem.radius * problem.radius:
+            return False
+    return plate_distance(problem.plate, x, y, z)[0] >= problem.radius
+
+
+@kernel
+def _place(problem, state, place, velocity, spin):
+    """Add a particle at the current step; False if its neighbours do not fit the pair list."""
+    tally = state.tally[0]
+    new = tally.live
+    particle = state.particles[new]
+    particle.motion = FLYING
+    particle.anchor_step = tally.step
+    particle.identity = tally.placed
+    particle.first_contact = NOT_YET
+    particle.x, particle.y, particle.z = place
+    particle.anchor_x, particle.anchor_y, particle.anchor_z = place
+    particle.vx, particle.vy, particle.vz = velocity
+    particle.wx, particle.wy, particle.wz = spin
+    particle.plate_stiffness = 0.0
+    particle.plate_fn = 0.0
+    particle.plate_tx = particle.plate_ty = particle.plate_tz = 0.0
+    particle.plate_energy = 0.0
+    particle.plate_slips = 0
+    tally.live = new + 1
+    tally.placed += 1
+    tally.draws = 0
+    tally.energy_in += energy_of(problem, particle, tally.step)
+    return append_pairs(problem, state, new)
+
+
+@kernel
+def release_due(problem, schedule, state):
+    """Place every particle that is due at the current step; return how that ended."""
+    if problem.scheduled:
+        return _release_scheduled(problem, schedule, state)
+    return _release_from_patch(problem, state)
+
+
+@kernel
+def _release_from_patch(problem, state):
+    tally, particles = state.tally[0], state.particles
+    # Only particles near the patch can be in the way.
+    far = math.hypot(problem.patch_half_length, problem.patch_half_width) + 2.0 * problem.radius
+    near = np.empty(particles.size, np.int64)
+    near_count = 0
+    for j in range(tally.live):
+        other = particles[j]
+        dy = other.y - problem.patch_height
+        if other.motion != GONE and other.x**2 + dy**2 + other.z**2 < far * far:
+            near[near_count] = j
+            near_count += 1
+
+    while due_step(problem, tally.placed) <= tally.step:
+        if tally.live == particles.size:
+            return NEEDS_ROOM
+        placed = False
+        for _ in range(TRIES):
+            u = uniform(problem.seed, tally.placed, tally.draws)
+            v = uniform(problem.seed, tally.placed, tally.draws + 1)
+            tally.draws += 2
+            along = problem.patch_half_length * (2.0 * u - 1.0)
+            x = along * problem.patch_cos
+            y = problem.patch_height + along * problem.patch_sin
+            z = problem.patch_half_width * (2.0 * v - 1.0)
+            if _is_free(problem, particles, x, y, z, near, near_count):
+                near[near_count] = tally.live
+                near_count += 1
+                velocity = (0.0, problem.release_speed, 0.0)
+                if not _place(problem, state, (x, y, z), velocity, (0.0, 0.0, 0.0)):
+                    return STOP_CROWDED
+                placed = True
+                break
+        if not placed:
+            tally.next_release = tally.step + problem.retry_steps
+            return DONE
+    tally.next_release = due_step(problem, tally.placed)
+    return DONE
+
+
+@kernel
+def _release_scheduled(problem, schedule, state):
+    tally, particles = state.tally[0], state.particles
+    total = schedule.step.size
+    while tally.placed < total and schedule.step[tally.placed] <= tally.step:
+        if tally.live == particles.size:
+            return NEEDS_ROOM
+        near = np.empty(tally.live, np.int64)
+        near_count = 0
+        for j in range(tally.live):
+            if particles[j].motion != GONE:
+                near[near_count] = j
+                near_count += 1
+        at, v, w = (
+            schedule.position[tally.placed],
+            schedule.velocity[tally.placed],
+            schedule.spin[tally.placed],
+        )
+        if not _is_free(problem, particles, at[0], at[1], at[2], near, near_count):
+            return STOP_RELEASE
+        if not _place(
+            problem, state, (at[0], at[1], at[2]), (v[0], v[1], v[2]), (w[0], w[1], w[2])
+        ):
+            return STOP_CROWDED
+    if tally.placed == total:
+        tally.next_release = np.iinfo(np.int64).max
+    else:
+        tally.next_release = schedule.step[tally.placed]
+    return DONE

@@ -1,0 +1,154 @@
+"""A single sphere against a plane, with the very step of the simulations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from abradem.dem.cache import kernel
+from abradem.dem.contact import hertz_duration
+from abradem.dem.model import Case, ContactModel, Impact, Interaction, Material, Setup
+from abradem.dem.state import DONE, FLYING, make_problem, make_state
+from abradem.dem.synchronous import advance
+
+CONVERGED_STEPS = 500
+"""Steps per contact where no time step is given."""
+
+_PLANE = 1e3
+_MOST_STEPS = 10_000_000
+
+
+@kernel
+def _impact(problem, schedule, state, most_steps):
+    """Step until the sphere has touched and left; return (ended, time, overlap, force)."""
+    contact_time, largest_overlap, largest_force = 0.0, 0.0, 0.0
+    before = -1.0
+    tally, sphere = state.tally[0], state.particles[0]
+    for _ in range(most_steps):
+        if advance(problem, schedule, state, tally.step + 1) != DONE:
+            break
+        overlap = problem.radius - sphere.y
+        force = sphere.plate_fn
+        largest_overlap = max(largest_overlap, overlap)
+        largest_force = max(largest_force, force)
+        if overlap > 0.0:
+            # Of the first and last step only the part with overlap counts.
+            contact_time += problem.dt * (overlap / (overlap - before) if before < 0.0 else 1.0)
+        elif before > 0.0:
+            contact_time += problem.dt * before / (before - overlap)
+        before = overlap
+        if contact_time > 0.0 and sphere.motion == FLYING:
+            return True, contact_time, largest_overlap, largest_force
+    return False, contact_time, largest_overlap, largest_force
+
+
+def single_impact(
+    particle: Material,
+    radius: float,
+    plate: Material,
+    interaction: Interaction,
+    speed: float,
+    angle_deg: float,
+    time_step: float | None = None,
+    spin=(0.0, 0.0, 0.0),
+    gravity: float = 0.0,
+    contact: ContactModel | None = None,
+    phase: float = 0.5,
+) -> Impact:
+    """Return what an impact of a sphere on a plane leaves.
+
+    Parameters
+    ----------
+    particle, plate : Material
+    radius : float
+        m.
+    interaction : Interaction
+    speed : float
+        m/s.
+    angle_deg : float
+        Between velocity and the plane's normal, in [0, 90).
+    time_step : float, optional
+        s; by default 1/500 of the duration of the elastic impact.
+    spin : tuple of float
+        Before the impact, rad/s; the plane's normal is +y and the sphere travels towards +x.
+    gravity : float
+        Against the plane's normal, m/s2.
+    contact : ContactModel, optional
+    phase : float
+        Where in a step the surfaces meet, in [0, 1).
+
+    Returns
+    -------
+    Impact
+
+    Raises
+    ------
+    ValueError
+        For impossible arguments, or if the sphere does not leave the plane again.
+    """
+    if not 0.0 <= angle_deg < 90.0:
+        raise ValueError(f"angle_deg = {angle_deg!r} is outside [0, 90)")
+    for name, value in (("radius", radius), ("speed", speed)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} must be finite and positive, got {value!r}")
+    if not 0.0 <= phase < 1.0:
+        raise ValueError(f"phase = {phase!r} is outside [0, 1)")
+    angle = math.radians(angle_deg)
+    approach = speed * math.cos(angle)
+    contact = ContactModel() if contact is None else contact
+    case = Case(
+        particle.shear_modulus,
+        particle.poisson_ratio,
+        particle.density,
+        plate.shear_modulus,
+        plate.poisson_ratio,
+        plate.density,
+        interaction.restitution,
+        interaction.rolling_friction,
+        interaction.static_friction,
+        archard_constant=1.0,
+        plate_angle=0.0,
+        factory_angle=0.0,
+        particle_radius=radius,
+        particle_velocity_y=-approach,
+    )
+
+    def problem_of(dt, start):
+        setup = Setup(
+            plate_length=2 * _PLANE,
+            plate_width=2 * _PLANE,
+            facet_size=2 * _PLANE,
+            removal_depth=_PLANE,
+            gravity=gravity,
+            contact=contact,
+            time_step=dt,
+        )
+        velocity = (speed * math.sin(angle), -approach, 0.0)
+        releases = ([0.0], [(0.0, start, 0.0)], [velocity], [tuple(spin)])
+        return make_problem(case, setup, releases)
+
+    if time_step is None:
+        probe, _ = problem_of(1.0, radius)
+        time_step = hertz_duration(probe.plate_law, probe.mass, approach) / CONVERGED_STEPS
+    elif not (math.isfinite(time_step) and time_step > 0.0):
+        raise ValueError(f"time_step must be finite and positive, got {time_step!r}")
+    # The surfaces meet after 1 - phase of the first step.
+    problem, schedule = problem_of(time_step, radius + (1.0 - phase) * approach * time_step)
+    state = make_state(problem, 1)
+    ended, contact_time, overlap, force = _impact(problem, schedule, state, _MOST_STEPS)
+    if not ended:
+        raise ValueError("the sphere did not leave the plane again")
+    sphere, tally = state.particles[0], state.tally[0]
+    return Impact(
+        normal_velocity=float(sphere["vy"]),
+        tangential_velocity=float(sphere["vx"]),
+        spin=np.array([sphere["wx"], sphere["wy"], sphere["wz"]]),
+        contact_time=contact_time,
+        max_overlap=overlap,
+        max_normal_force=force,
+        total=float(tally["worn_total"]),
+        sliding=float(tally["worn_sliding"]),
+        friction_work=float(tally["worn_friction"]) * interaction.static_friction,
+        time_step=problem.dt,
+    )

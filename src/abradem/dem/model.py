@@ -1,0 +1,332 @@
+"""What a simulation is given and what it returns: plain data, SI units, no numba.
+
+Axes are right-handed with y up; gravity acts along -y. Angles are right-hand rotations
+about +z (positive lifts the +x side), in degrees.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+NORMAL_LAWS = ("exact_e", "nominal_clipped", "nominal_attractive")
+TANGENTIAL_LAWS = ("incremental", "displacement")
+TANGENTIAL_DAMPINGS = ("capped", "none", "uncapped")
+STEPPINGS = ("synchronous",)
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic elastic solid.
+
+    Parameters
+    ----------
+    shear_modulus : float
+        G, Pa.
+    poisson_ratio : float
+    density : float
+        kg/m3.
+    """
+
+    shear_modulus: float
+    poisson_ratio: float
+    density: float
+
+    @property
+    def youngs_modulus(self) -> float:
+        """E = 2 G (1 + nu), Pa."""
+        return 2.0 * self.shear_modulus * (1.0 + self.poisson_ratio)
+
+
+@dataclass(frozen=True)
+class Interaction:
+    """What belongs to a pair of surfaces: restitution, static and rolling friction (all 1)."""
+
+    restitution: float
+    static_friction: float
+    rolling_friction: float = 0.0
+
+
+@dataclass(frozen=True)
+class ContactModel:
+    """Options of the contact law that documented codes leave open.
+
+    Parameters
+    ----------
+    normal : {"exact_e", "nominal_clipped", "nominal_attractive"}
+        ``exact_e``: normal force never attractive, damping such that an isolated impact
+        rebounds at exactly e. ``nominal_clipped``: the textbook damping, never attractive.
+        ``nominal_attractive``: the textbook damping, no clip.
+    tangential : {"incremental", "displacement"}
+        Spring force accumulated increment by increment, or stiffness times accumulated
+        displacement.
+    tangential_damping : {"capped", "none", "uncapped"}
+        ``capped``: spring plus damping is limited by Coulomb's law. ``uncapped``: only the
+        spring is; the damping acts in stick without limit.
+    """
+
+    normal: str = "exact_e"
+    tangential: str = "incremental"
+    tangential_damping: str = "capped"
+
+    def __post_init__(self):
+        _check_choice("normal", self.normal, NORMAL_LAWS)
+        _check_choice("tangential", self.tangential, TANGENTIAL_LAWS)
+        _check_choice("tangential_damping", self.tangential_damping, TANGENTIAL_DAMPINGS)
+
+
+@dataclass(frozen=True)
+class Case:
+    """The sampled quantities of one simulation; names, units and limits as in `parameters`.
+
+    ``seed`` selects the random positions of the released particles.
+    """
+
+    particle_shear_modulus: float
+    particle_poisson_ratio: float
+    particle_density: float
+    equipment_shear_modulus: float
+    equipment_poisson_ratio: float
+    equipment_density: float
+    restitution: float
+    rolling_friction: float
+    static_friction: float
+    archard_constant: float
+    plate_angle: float
+    factory_angle: float
+    particle_radius: float
+    particle_velocity_y: float
+    seed: int = 0
+
+    @property
+    def particle(self) -> Material:
+        """Material of the particles."""
+        return Material(
+            self.particle_shear_modulus, self.particle_poisson_ratio, self.particle_density
+        )
+
+    @property
+    def plate(self) -> Material:
+        """Material of the plate."""
+        return Material(
+            self.equipment_shear_modulus, self.equipment_poisson_ratio, self.equipment_density
+        )
+
+    @property
+    def interaction(self) -> Interaction:
+        """Interaction of particle and plate."""
+        return Interaction(self.restitution, self.static_friction, self.rolling_friction)
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Everything about a simulation that is not sampled.
+
+    Parameters
+    ----------
+    plate_length, plate_width : float
+        Extent of the plate along its slope (x when level) and along z, m.
+    facet_size : float
+        Largest edge of a wear facet, m; the plate is divided evenly.
+    patch_length, patch_width : float
+        Extent of the factory patch (of particle centres) along its slope and along z, m.
+    fall_height : float
+        Height of the patch's centre above the plate's centre, m.
+    mass_rate, number_rate : float or None
+        Feed in kg/s or in particles per second; exactly one of them.
+    removal_depth : float
+        Particles are removed this far below the plate's lowest point, m.
+    gravity : float
+        m/s2, along -y.
+    contact : ContactModel
+    pair_interaction : Interaction or None
+        Between particles; None takes the particle-plate interaction.
+    time_step_fraction : float
+        Step as a share of the Rayleigh time of the particle.
+    time_step : float or None
+        Step in s; overrides the fraction.
+    stepping : {"synchronous"}
+    window : float
+        Length of the window after the transient over which facets are compared, and the least
+        steady time simulated, s.
+    max_time : float
+        Longest simulated time, s.
+    target_stderr : float
+        Simulate on until the relative standard error of the plate-mean wear rate is at most this.
+    sample_interval : float
+        Time between samples of the worn volume, s.
+    duration : float or None
+        If given, simulate exactly this long, s, whatever the standard error.
+    """
+
+    plate_length: float = 0.3
+    plate_width: float = 0.3
+    facet_size: float = 0.01
+    patch_length: float = 0.1
+    patch_width: float = 0.1
+    fall_height: float = 0.25
+    mass_rate: float | None = 4.0
+    number_rate: float | None = None
+    removal_depth: float = 0.1
+    gravity: float = 9.81
+    contact: ContactModel = field(default_factory=ContactModel)
+    pair_interaction: Interaction | None = None
+    time_step_fraction: float = 0.2
+    time_step: float | None = None
+    stepping: str = "synchronous"
+    window: float = 5.0
+    max_time: float = 60.0
+    target_stderr: float = 0.02
+    sample_interval: float = 0.02
+    duration: float | None = None
+
+    def __post_init__(self):
+        _check_choice("stepping", self.stepping, STEPPINGS)
+        if (self.mass_rate is None) == (self.number_rate is None):
+            raise ValueError("give exactly one of mass_rate and number_rate")
+        for name in (
+            "plate_length", "plate_width", "facet_size", "patch_length", "patch_width",
+            "removal_depth", "time_step_fraction", "window", "max_time", "target_stderr",
+            "sample_interval",
+        ):  # fmt: skip
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise ValueError(f"{name} must be finite and positive, got {value!r}")
+        for name in ("mass_rate", "number_rate", "time_step", "duration"):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise ValueError(f"{name} must be finite and positive, got {value!r}")
+        if self.max_time <= self.window:
+            raise ValueError(f"max_time = {self.max_time!r} must exceed window = {self.window!r}")
+
+    @property
+    def facets(self) -> tuple[int, int]:
+        """Number of facets along the plate's length and width."""
+        tiny = 1e-9
+        return (
+            int(np.ceil(self.plate_length / self.facet_size - tiny)),
+            int(np.ceil(self.plate_width / self.facet_size - tiny)),
+        )
+
+    @property
+    def plate_area(self) -> float:
+        """m2."""
+        return self.plate_length * self.plate_width
+
+
+@dataclass(frozen=True)
+class SimulationResult:
+    """What one simulation gives; wear is for an Archard constant of 1, in J = N m.
+
+    Multiplying by W (1/Pa) gives a volume in m3. The last axis of ``worn`` and the first of
+    the maps follow `abradem.parameters.READINGS`.
+
+    Attributes
+    ----------
+    status : str
+        "ok", or the named reason why the case ended early.
+    time : ndarray, shape (n,)
+        Sample times from 0, s.
+    worn : ndarray, shape (n, 3)
+        Cumulative F_n ds on the whole plate, J.
+    delivered_mass : ndarray, shape (n,)
+        Cumulative mass released, kg.
+    facet_wear : ndarray, shape (3, nx, nz)
+        F_n ds per facet within ``window``, J.
+    facet_wear_all : ndarray, shape (3, nx, nz)
+        The same from the start to the end, J.
+    window : tuple of float
+        Start and end of the window, s; (nan, nan) if no steady state was reached.
+    steady_from : float
+        End of the transient, s; nan if the window after it was not completed.
+    settled : bool
+        Whether the transient rule found the record steady.
+    stderr : float
+        Relative standard error of the plate-mean ``total`` rate at the stop; nan if unknown.
+    time_step : float
+        s.
+    simulated_time : float
+        s.
+    requested_rate, delivered_rate : float
+        Feed asked for and achieved, kg/s.
+    face_share, edge_share, missed_share : float
+        Of the particles that met the plate or left without: first contact on its face, on an
+        edge or corner, none.
+    max_overlap : float
+        Largest overlap of the run as a share of the radius.
+    released, removed : int
+        Particles put in and taken out.
+    energy : dict
+        Book of mechanical energy, J: ``inserted``, ``removed``, ``resident``, ``dissipated``.
+    """
+
+    case: Case
+    setup: Setup
+    status: str
+    time: np.ndarray
+    worn: np.ndarray
+    delivered_mass: np.ndarray
+    facet_wear: np.ndarray
+    facet_wear_all: np.ndarray
+    window: tuple[float, float]
+    steady_from: float
+    settled: bool
+    stderr: float
+    time_step: float
+    simulated_time: float
+    requested_rate: float
+    delivered_rate: float
+    face_share: float
+    edge_share: float
+    missed_share: float
+    max_overlap: float
+    released: int
+    removed: int
+    energy: dict
+
+
+@dataclass(frozen=True)
+class Impact:
+    """Outcome of a single impact on a plane; wear readings for an Archard constant of 1.
+
+    The plane's normal is +y; the sphere comes in along (sin a, -cos a, 0).
+
+    Attributes
+    ----------
+    normal_velocity, tangential_velocity : float
+        Of the centre after the impact, along +y and +x, m/s.
+    spin : ndarray, shape (3,)
+        rad/s; rolling forward is negative about z.
+    contact_time : float
+        Time with overlap, s.
+    max_overlap : float
+        m.
+    max_normal_force : float
+        N.
+    total, sliding, friction_work : float
+        J; ``friction_work`` is not divided by the friction coefficient.
+    time_step : float
+        s.
+    """
+
+    normal_velocity: float
+    tangential_velocity: float
+    spin: np.ndarray
+    contact_time: float
+    max_overlap: float
+    max_normal_force: float
+    total: float
+    sliding: float
+    friction_work: float
+    time_step: float
+
+
+def as_dict(record) -> dict:
+    """Fields of one of the records above as a flat dict (values untouched)."""
+    return {f.name: getattr(record, f.name) for f in fields(record)}
+
+
+def _check_choice(name: str, value: str, allowed: tuple[str, ...]) -> None:
+    if value not in allowed:
+        raise ValueError(f"{name} = {value!r} is unknown; allowed: {', '.join(allowed)}")

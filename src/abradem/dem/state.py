@@ -1,0 +1,263 @@
+"""What a simulation consists of: constants, the state of all particles, and their making.
+
+Free flight is never integrated. A particle that touches nothing is an *anchor*, the state and
+lattice index at which its last contact ended (or its release), and `flight` evaluates its
+parabola from there. Every stepping uses the same function, so particles in flight agree bitwise.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from abradem.dem.cache import kernel
+from abradem.dem.contact import Law, make_law
+from abradem.dem.model import Case, Material, Setup
+from abradem.dem.plate import Plate, make_plate
+
+SKIN = 0.5
+"""Reach of the pair list beyond contact, in radii."""
+
+PAIRS_PER_PARTICLE = 8
+"""Room in the pair list: equal spheres have at most 12 neighbours in reach, counted once."""
+
+OVERLAP_STOP = 0.2
+"""Overlap, as a share of the radius, above which a case is stopped."""
+
+# Motion of a particle.
+GONE, FLYING, WAKING, TOUCHING = 0, 1, 2, 3
+
+# First contact of a particle with the plate.
+NOT_YET, ON_FACE, ON_EDGE = 0, 1, 2
+
+# Ways in which `advance` returns.
+DONE, NEEDS_ROOM, STOP_OVERLAP, STOP_RELEASE, STOP_CROWDED, STOP_NOT_FINITE = 0, 1, 2, 3, 4, 5
+STOP_REASONS = {
+    STOP_OVERLAP: "overlap above 20 % of the radius",
+    STOP_RELEASE: "release into an overlap",
+    STOP_CROWDED: "more neighbours than equal spheres can have",
+    STOP_NOT_FINITE: "a position is not a finite number",
+}
+
+class Problem(NamedTuple):
+    """Constants of a simulation, SI."""
+
+    dt: float
+    gravity: float
+    radius: float
+    mass: float
+    inertia: float
+    plate: Plate
+    plate_law: Law
+    pair_law: Law
+    removal_height: float
+    # Feed: from the factory (scheduled is False) or from given releases.
+    scheduled: bool
+    rate: float
+    retry_steps: int
+    seed: int
+    patch_cos: float
+    patch_sin: float
+    patch_half_length: float
+    patch_half_width: float
+    patch_height: float
+    release_speed: float
+
+
+class Schedule(NamedTuple):
+    """Given releases: lattice steps (n,), positions, velocities and spins (n, 3), SI."""
+
+    step: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
+
+
+def _fields(names: str, kind=np.float64):
+    return [(name, kind) for name in names.split()]
+
+
+# One particle. What every step of a flying particle reads comes first: two cache lines.
+# Velocity and spin of a flying particle are those of its anchor.
+PARTICLE = np.dtype(
+    _fields("motion anchor_step", np.int64)
+    + _fields("anchor_x anchor_y anchor_z vx vy vz x y z")
+    + _fields("plate_stiffness")  # 0: not touching the plate
+    + _fields("identity first_contact in_contact", np.int64)
+    + _fields("wx wy wz")
+    # Velocity and spin at half the step, and predicted for its end.
+    + _fields("half_vx half_vy half_vz half_wx half_wy half_wz")
+    + _fields("next_vx next_vy next_vz next_wx next_wy next_wz")
+    # Load: force, torque and rolling resistance.
+    + _fields("fx fy fz mx my mz rolling")
+    # Memory of the contact with the plate.
+    + _fields("plate_sx plate_sy plate_sz plate_fn plate_tx plate_ty plate_tz plate_energy")
+    + _fields("plate_slips", np.int64)
+)
+
+# One entry of the pair list, with the memory of its contact; stiffness 0: not touching.
+PAIR = np.dtype(_fields("i j", np.int64) + _fields("stiffness sx sy sz fn tx ty tz"))
+
+# Clock, counters and sums.
+TALLY = np.dtype(
+    _fields("step live gone pairs placed draws next_release", np.int64)
+    + _fields("face edge missed removed", np.int64)
+    # Distance that anything can have moved since the pair list was made, m.
+    + _fields("drift")
+    # Share of the radius.
+    + _fields("largest_overlap")
+    + _fields("energy_in energy_out")
+    # Wear of the whole plate for W = 1, J.
+    + _fields("worn_total worn_sliding worn_friction")
+)
+
+
+class State(NamedTuple):
+    """State of a simulation.
+
+    Everything lives in a few arrays of records: a kernel that gets a record gets a pointer,
+    while every array passed to it would cost a count of references.
+
+    Attributes
+    ----------
+    tally : ndarray of TALLY, shape (1,)
+    particles : ndarray of PARTICLE, shape (capacity,)
+    pairs : ndarray of PAIR, shape (room,)
+    facet_wear : ndarray, shape (3, nx, nz)
+        By reading, W = 1, J.
+    """
+
+    tally: np.ndarray
+    particles: np.ndarray
+    pairs: np.ndarray
+    facet_wear: np.ndarray
+
+
+def sphere_mass(radius: float, density: float) -> float:
+    """4/3 pi R^3 rho, kg."""
+    return 4.0 / 3.0 * math.pi * radius**3 * density
+
+
+def rayleigh_time(radius: float, material: Material) -> float:
+    """pi R sqrt(rho/G) / (0.1631 nu + 0.8766), s: a surface wave around half the sphere."""
+    return (
+        math.pi
+        * radius
+        * math.sqrt(material.density / material.shear_modulus)
+        / (0.1631 * material.poisson_ratio + 0.8766)
+    )
+
+
+def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Schedule]:
+    """Return the constants of a simulation and the schedule of given releases.
+
+    Parameters
+    ----------
+    case : Case
+    setup : Setup
+    releases : tuple of array_like, optional
+        Times (n,) in s, ascending, positions (n, 3) in m, velocities (n, 3) in m/s and,
+        optionally, spins (n, 3) in rad/s that replace the factory.
+    """
+    radius = case.particle_radius
+    mass = sphere_mass(radius, case.particle_density)
+    dt = setup.time_step
+    if dt is None:
+        dt = setup.time_step_fraction * rayleigh_time(radius, case.particle)
+    pair = setup.pair_interaction or case.interaction
+    angle = math.radians(case.plate_angle)
+    lowest = -0.5 * setup.plate_length * abs(math.sin(angle))
+    tilt = math.radians(case.factory_angle)
+    rate = setup.number_rate if setup.number_rate is not None else setup.mass_rate / mass
+    problem = Problem(
+        dt=dt,
+        gravity=setup.gravity,
+        radius=radius,
+        mass=mass,
+        inertia=0.4 * mass * radius**2,
+        plate=make_plate(setup.plate_length, setup.plate_width, case.plate_angle, setup.facets),
+        plate_law=make_law(
+            case.particle, case.plate, case.interaction, setup.contact, radius, mass
+        ),
+        pair_law=make_law(
+            case.particle, case.particle, pair, setup.contact, 0.5 * radius, 0.5 * mass
+        ),
+        removal_height=lowest - setup.removal_depth,
+        scheduled=releases is not None,
+        rate=rate,
+        # A stone that found no room waits until a falling one has moved on a little.
+        retry_steps=max(1, round(1e-3 / dt)),
+        seed=case.seed,
+        patch_cos=math.cos(tilt),
+        patch_sin=math.sin(tilt),
+        patch_half_length=0.5 * setup.patch_length,
+        patch_half_width=0.5 * setup.patch_width,
+        patch_height=setup.fall_height,
+        release_speed=case.particle_velocity_y,
+    )
+    return problem, _schedule(releases, dt)
+
+
+def _schedule(releases, dt):
+    if releases is None:
+        return Schedule(np.zeros(0, np.int64), *(np.zeros((0, 3)) for _ in range(3)))
+    times = np.asarray(releases[0], dtype=float)
+    vectors = [np.ascontiguousarray(v, dtype=float) for v in releases[1:]]
+    if len(vectors) == 2:
+        vectors.append(np.zeros((times.size, 3)))
+    if len(vectors) != 3 or any(v.shape != (times.size, 3) for v in vectors):
+        raise ValueError(
+            "releases must be (times (n,), positions (n, 3), velocities (n, 3)[, spins (n, 3)])"
+        )
+    if not all(np.isfinite(v).all() for v in (times, *vectors)):
+        raise ValueError("releases must be finite numbers")
+    if np.any(np.diff(times) < 0) or np.any(times < 0):
+        raise ValueError("release times must ascend from 0 on")
+    return Schedule(np.rint(times / dt).astype(np.int64), *vectors)
+
+
+def make_state(problem: Problem, capacity: int) -> State:
+    """Return an empty state with room for ``capacity`` particles."""
+    return State(
+        tally=np.zeros(1, TALLY),
+        particles=np.zeros(capacity, PARTICLE),
+        pairs=np.zeros(capacity * PAIRS_PER_PARTICLE, PAIR),
+        facet_wear=np.zeros((3, problem.plate.facets_x, problem.plate.facets_z)),
+    )
+
+
+def grown(state: State, capacity: int) -> State:
+    """Return the state with room for ``capacity`` particles."""
+    particles = np.zeros(capacity, PARTICLE)
+    particles[: state.particles.size] = state.particles
+    pairs = np.zeros(capacity * PAIRS_PER_PARTICLE, PAIR)
+    pairs[: state.pairs.size] = state.pairs
+    return state._replace(particles=particles, pairs=pairs)
+
+
+@kernel(inline=True)
+def flight(start, velocity, acceleration, time):
+    """x0 + v0 t + a t^2 / 2 along one axis."""
+    return start + time * (velocity + 0.5 * acceleration * time)
+
+
+@kernel(inline=True)
+def fall_speed(problem, particle, step):
+    """Vertical velocity of a flying particle at a lattice step, m/s."""
+    return particle.vy - problem.gravity * (problem.dt * (step - particle.anchor_step))
+
+
+@kernel(inline=True)
+def energy_of(problem, particle, step):
+    """Kinetic energy and energy of height above the removal level of a particle, J."""
+    vy = fall_speed(problem, particle, step) if particle.motion == FLYING else particle.vy
+    speed2 = particle.vx**2 + vy**2 + particle.vz**2
+    spin2 = particle.wx**2 + particle.wy**2 + particle.wz**2
+    height = particle.y - problem.removal_height
+    return (
+        0.5 * problem.mass * speed2
+        + 0.5 * problem.inertia * spin2
+        + problem.mass * problem.gravity * height
+    )

@@ -1,0 +1,206 @@
+"""The linear equation: its coefficients, and what it predicts for cases it has not seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MultipleLocator
+
+from abradem.dataset import COLUMNS
+from abradem.figures import style
+from abradem.parameters import quantity
+
+LOG_SPAN = 30.0
+"""Largest over smallest value from which axes are logarithmic."""
+
+
+def coefficients_figure(coefficients: pd.DataFrame, model: dict) -> Figure:
+    """Standardised coefficients with intervals as bars: X1 to X10, X11 to X20.
+
+    Parameters
+    ----------
+    coefficients : pandas.DataFrame
+        From `abradem.learning.linear.fit_linear`.
+    model : dict
+        Its summary.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The axis has room for every bar; an interval that runs beyond it ends in an arrowhead
+        (nearly dependent features, such as E and G of one body, have intervals so wide that
+        they would hide all others).
+    """
+    with style.style():
+        figure, axes = style.panels(2, 1, 2.2)
+        half = (len(coefficients) + 1) // 2
+        # Both panels share the axis, so that bars compare across them.
+        limit = _coefficient_limit(coefficients)
+        parts = (coefficients.iloc[:half], coefficients.iloc[half:])
+        for index, (panel, part) in enumerate(zip(axes, parts, strict=True)):
+            _coefficient_panel(panel, part, limit)
+            first, last = part["symbol"].iloc[0], part["symbol"].iloc[-1]
+            panel.set_title(f"{style.letter(index)} {first} to {last}", loc="left")
+            panel.set_ylabel("Standardised coefficient")
+        figure.legend(
+            handles=[
+                Patch(color=style.BLUE, label="sampled feature"),
+                Patch(color=style.ORANGE, label="derived feature (a function of sampled ones)"),
+            ],
+            loc="outside upper center",
+            ncols=2,
+        )
+        style.caption(figure, "\n".join(_coefficient_words(coefficients, model, limit)))
+    return figure
+
+
+def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
+    """Predicted against simulated wear of held-out cases, with the 1:1 line.
+
+    Parameters
+    ----------
+    predictions : pandas.DataFrame
+        case_id, repeat, actual, predicted (mm/s) of held-out rows.
+    model : dict
+        Summary of the model.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Logarithmic axes if the wear spans decades and all predictions are positive; otherwise
+        linear ones.
+    """
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 3.0, style.COLUMN)
+        unit = model["target"]["unit"]
+        actual = predictions["actual"].to_numpy(dtype=float)
+        predicted = predictions["predicted"].to_numpy(dtype=float)
+        low = min(actual.min(), predicted.min())
+        high = max(actual.max(), predicted.max())
+        logarithmic = low > 0.0 and high > LOG_SPAN * low
+        power = 0 if logarithmic else style.decade(max(abs(low), abs(high)))
+        scale = 10.0**power
+        alpha = float(np.clip(8.0 / np.sqrt(len(actual)), 0.15, 0.9))
+        panel.scatter(
+            actual / scale, predicted / scale, s=9, color=style.BLUE, alpha=alpha, lw=0,
+            rasterized=len(actual) > 5000,
+        )  # fmt: skip
+        if logarithmic:
+            ends = (low / 1.2, high * 1.2)
+            panel.set_xscale("log")
+            panel.set_yscale("log")
+            panel.set_xlim(ends)
+        else:
+            pad = 0.04 * (high - low)
+            ends = ((low - pad) / scale, (high + pad) / scale)
+            panel.set_xlim(min(0.0, actual.min() / scale) - pad / scale, ends[1])
+            for axis in (panel.xaxis, panel.yaxis):
+                axis.set_major_locator(MultipleLocator(_tick_step(ends[1] - ends[0])))
+            if low < 0.0:
+                panel.axhline(0.0, color=style.GREY, lw=0.5, zorder=0)
+        panel.set_ylim(ends)
+        panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.9)
+        at = np.sqrt(ends[0] * ends[1]) if logarithmic else 0.1 * ends[0] + 0.9 * ends[1]
+        panel.annotate("1:1", (at, at), xytext=(4, -9), textcoords="offset points", fontsize=7.0)
+        label = style.scaled_unit(power, unit)
+        panel.set_xlabel(f"Simulated wear depth rate ({label})")
+        panel.set_ylabel(f"Predicted wear depth rate ({label})")
+        panel.set_title(_score_words(model), loc="left", fontsize=7.0)
+        splits = model["splits"]
+        style.caption(
+            figure,
+            f"{_target_words(model)}; {model['model']} model, {model['protocol']} protocol, "
+            f"{splits['rows']} cases; held-out cases of {splits['repeats']} random splits "
+            f"({splits['train']} train, {splits['test']} test), each split its own fit",
+        )
+    return figure
+
+
+def _coefficient_panel(panel, part: pd.DataFrame, limit: float) -> None:
+    derived = [quantity(name).kind == "derived" for name in part["feature"]]
+    values = part["coefficient"].to_numpy(dtype=float)
+    lower, upper = (part[end].to_numpy(dtype=float) for end in ("lower", "upper"))
+    places = np.arange(len(part))
+    colours = [style.ORANGE if one else style.BLUE for one in derived]
+    panel.bar(places, values, width=0.62, color=colours)
+    panel.axhline(0.0, color=style.BLACK, lw=0.6)
+    for place, low, high in zip(places, lower, upper, strict=True):
+        if not np.isfinite(low + high):
+            continue
+        panel.vlines(place, max(low, -limit), min(high, limit), color=style.BLACK, lw=0.9)
+        for end, beyond, marker in ((high, high > limit, "^"), (low, low < -limit, "v")):
+            if beyond:
+                edge = np.sign(end) * limit
+                panel.plot(place, edge, marker, color=style.BLACK, ms=4, clip_on=False)
+            else:
+                panel.plot(place, end, "_", color=style.BLACK, ms=5, mew=0.9)
+    panel.set_ylim(-limit, limit)
+    panel.set_xlim(-0.6, len(part) - 0.4)
+    panel.set_xticks(
+        places,
+        [
+            f"{symbol}\n${quantity(name).tex}$"
+            for symbol, name in zip(part["symbol"], part["feature"], strict=True)
+        ],
+    )
+    panel.tick_params(axis="x", length=0)
+
+
+def _coefficient_limit(coefficients: pd.DataFrame) -> float:
+    """Half the height of the axis: all bars fit, and all intervals unless they dwarf the bars."""
+    bars = float(coefficients["coefficient"].abs().max())
+    ends = coefficients[["lower", "upper"]].abs().to_numpy(dtype=float)
+    ends = ends[np.isfinite(ends)]
+    most = max(1.15 * bars, 1.05 * min(ends.max(initial=0.0), 1.5 * bars))
+    return most if most > 0.0 else 1.0
+
+
+def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) -> list[str]:
+    share = 100.0 * model["confidence"]
+    rows = model["splits"]["rows"]
+    first = f"{_target_words(model)}; least squares on {rows} cases, all standardised"
+    ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
+    if not np.isfinite(ends).any():
+        return [
+            first,
+            f"{rows} cases do not determine {len(coefficients)} coefficients: no intervals",
+        ]
+    second = f"lines: {share:g} % intervals (HC3)"
+    if (np.abs(ends[np.isfinite(ends)]) > limit).any():
+        second += "; arrowheads: the interval runs on"
+    if not np.isfinite(ends).all():
+        second += "; no line: not determined by the cases"
+    return [first, second]
+
+
+def _target_words(model: dict) -> str:
+    name = model["target"]["name"]
+    words = COLUMNS[name].long_name
+    return words[0].upper() + words[1:]
+
+
+def _score_words(model: dict) -> str:
+    """Held-out R2 with its interval, as far as it exists."""
+    score = model["scores"]["test"]["R2"]
+    if score["median"] is None or not np.isfinite(score["median"]):
+        return "held-out $R^2$ cannot be computed"
+    middle, low, high = (_r2_text(score[end]) for end in ("median", "lower", "upper"))
+    share = 100.0 * model["confidence"]
+    return f"held-out $R^2$ = {middle} (median of splits)\n{share:g} % of splits: {low} to {high}"
+
+
+def _r2_text(value: float) -> str:
+    """Two decimals; none for the large negative values of hopeless predictions."""
+    return (
+        f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
+        if value > -10.0
+        else f"\N{MINUS SIGN}{-value:.0f}"
+    )
+
+
+def _tick_step(span: float) -> float:
+    """1, 2 or 5 times a power of ten, four to ten of which make up the span."""
+    power = 10.0 ** np.floor(np.log10(span / 4.0))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= span / 4.0))

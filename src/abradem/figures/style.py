@@ -1,0 +1,248 @@
+"""How every figure looks: widths, fonts, colours, panel letters, labels with units, saving.
+
+Figures are made with matplotlib's Figure class, without pyplot: no state, no display. Widths
+are those of a journal's single and double column, text is 7 to 8 points at that width, and
+colours are those of Okabe and Ito, which the colour-blind tell apart.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import string
+import textwrap
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from abradem.dataset import replacing
+from abradem.parameters import quantity
+
+MM_PER_INCH = 25.4
+COLUMN = 85.0 / MM_PER_INCH
+"""Width of one column, inches."""
+PAGE = 180.0 / MM_PER_INCH
+"""Width of two columns, inches."""
+DPI = 300
+FORMATS = ("pdf", "png")
+
+BLUE, ORANGE, GREEN, RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
+PURPLE, SKY, YELLOW, BLACK = "#CC79A7", "#56B4E9", "#F0E442", "#000000"
+GREY, LIGHT_GREY = "#666666", "#E5E5E5"
+PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK)
+WEAR_MAP = "YlOrRd"
+"""Colours of depth maps, yellow to red."""
+
+_SETTINGS = {
+    "font.family": "DejaVu Sans",
+    "mathtext.fontset": "dejavusans",
+    "font.size": 8.0,
+    "axes.titlesize": 8.0,
+    "axes.labelsize": 8.0,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "legend.fontsize": 7.0,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.minor.size": 1.5,
+    "ytick.minor.size": 1.5,
+    "lines.linewidth": 1.0,
+    "patch.linewidth": 0.6,
+    "legend.frameon": False,
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-3, 4),
+    "pdf.fonttype": 42,
+    "ps.fonttype": 42,
+    "pdf.compression": 6,
+    "savefig.dpi": DPI,
+    "figure.dpi": 100.0,
+}
+
+_UNITS = {
+    "1": "",
+    "kg/m3": "kg/m³",
+    "m3/s": "m³/s",
+    "m3/kg": "m³/kg",
+    "deg": "°",
+}
+
+
+@contextlib.contextmanager
+def style() -> Iterator[None]:
+    """Settings of this package on matplotlib's own defaults, whatever the user's are."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_SETTINGS)
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure, ``width`` by ``height`` inches, whose parts make room for each other."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.05, h_pad=0.05, wspace=0.04, hspace=0.03)
+    return figure
+
+
+def unit_text(unit: str) -> str:
+    """A unit as printed; "" where dimensionless."""
+    return _UNITS.get(unit, unit)
+
+
+def with_unit(words: str, unit: str) -> str:
+    """Words of an axis with the unit in brackets, if there is one."""
+    printed = unit_text(unit)
+    return f"{words} ({printed})" if printed else words
+
+
+def axis_label(name: str) -> str:
+    """Axis label of a quantity of the table: what it is, its symbol, its unit."""
+    row = quantity(name)
+    words = row.long_name[0].upper() + row.long_name[1:]
+    return with_unit(f"{words} ${row.tex}$", row.unit)
+
+
+def letter(index: int) -> str:
+    """(a), (b), ... in bold, for the beginning of a panel's title."""
+    text = ""
+    index += 1
+    while index:
+        index, place = divmod(index - 1, 26)
+        text = string.ascii_lowercase[place] + text
+    return rf"$\bf{{({text})}}$"
+
+
+def decade(largest: float) -> int:
+    """Power of ten, a multiple of three, that brings ``largest`` between 1 and 1000."""
+    if not (math.isfinite(largest) and largest > 0.0):
+        return 0
+    return 3 * math.floor(math.log10(largest * (1.0 + 1e-12)) / 3.0)
+
+
+def scaled_unit(power: int, unit: str) -> str:
+    """A unit with the power of ten that was taken out of the numbers."""
+    return f"$10^{{{power}}}$ {unit_text(unit)}" if power else unit_text(unit)
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number as printed: with a minus sign, as a product with a power of ten if need be."""
+    if not math.isfinite(value):
+        return "n/a"
+    text = f"{value:.{digits}g}"
+    if "e" in text:
+        mantissa, power = text.split("e")
+        return rf"${mantissa} \times 10^{{{int(power)}}}$"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def with_error(value: float, error: float, unit: str) -> str:
+    """A value and its standard error with the digits that the error leaves, and the unit."""
+    if not math.isfinite(value):
+        return "n/a"
+    power = math.floor(math.log10(abs(value))) if value else 0
+    power = 0 if -2 < power < 3 else power
+    value, error = value / 10.0**power, error / 10.0**power
+    places = 2
+    if math.isfinite(error) and error > 0.0:
+        places = min(max(1 - math.floor(math.log10(error)), 0), 6)
+    shown = f"{value:.{places}f}"
+    if math.isfinite(error):
+        shown = f"{shown} ± {error:.{places}f}"
+    if power:
+        shown = rf"({shown})$\times$$10^{{{power}}}$"
+    return f"{shown} {unit_text(unit)}"
+
+
+def title_case(panel: Axes, index: int, row) -> None:
+    """Title of a panel that shows one case: its letter and number, and what matters most."""
+    angle, radius = row["plate_angle"], 1e3 * row["particle_radius"]
+    panel.set_title(
+        f"{letter(index)} case {row['case_id']:d}\n$\\varphi$ = {angle:.0f}°, "
+        f"$R$ = {radius:.0f} mm, $v_y$ = {number(row['particle_velocity_y'], 2)} m/s",
+        loc="left",
+        fontsize=6.5,
+    )
+
+
+_ROOM = 0.35
+
+
+def panels(count: int, columns: int, height: float, width: float = PAGE) -> tuple[Figure, list]:
+    """A figure of ``count`` panels in rows of ``columns``, each row ``height`` inches high.
+
+    Room for the caption and a legend comes on top.
+    """
+    columns = max(1, min(columns, count))
+    rows = -(-count // columns)
+    figure = new_figure(width, height * rows + _ROOM)
+    grid = figure.subplots(rows, columns, squeeze=False).ravel()
+    for spare in grid[count:]:
+        spare.remove()
+    return figure, list(grid[:count])
+
+
+def say_nothing_to_show(panel: Axes, words: str) -> None:
+    """An empty panel that says in words why it is empty."""
+    panel.set_axis_off()
+    panel.text(
+        0.5, 0.5, textwrap.fill(words, 26), transform=panel.transAxes, ha="center", va="center",
+        color=GREY, fontsize=7.0,
+    )  # fmt: skip
+
+
+def caption(figure: Figure, text: str) -> None:
+    """Lines below the figure that state what was done with which rows, broken to its width."""
+    width = int(_CAPTION_LETTERS_PER_INCH * figure.get_figwidth())
+    lines = [
+        line
+        for part in text.split("\n")
+        for line in textwrap.wrap(part, width, break_on_hyphens=False)
+    ]
+    figure.supxlabel("\n".join(lines), fontsize=6.5, color=GREY)
+
+
+_CAPTION_LETTERS_PER_INCH = 19.5
+
+
+def save(figure: Figure, stem: str | Path, formats: Iterable[str] = FORMATS) -> list[Path]:
+    """Write a figure as ``stem.<format>``, complete or not at all, without dates.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    stem : path-like
+        Path without suffix.
+    formats : iterable of {"pdf", "png", "svg"}
+
+    Returns
+    -------
+    list of Path
+        The files written.
+    """
+    metadata = {
+        "pdf": {"CreationDate": None, "Creator": "abradem"},
+        "png": {"Software": None},
+        "svg": {"Date": None, "Creator": "abradem"},
+    }
+    formats = list(formats)
+    unknown = [name for name in formats if name not in metadata]
+    if unknown:
+        raise ValueError(f"format {unknown[0]!r} is unknown; allowed: {', '.join(metadata)}")
+    paths = []
+    with style():
+        mpl.rcParams["svg.hashsalt"] = "abradem"
+        for name in formats:
+            path = Path(f"{stem}.{name}")
+            with replacing(path) as sink:
+                figure.savefig(sink, format=name, metadata=metadata[name])
+            paths.append(path)
+    return paths

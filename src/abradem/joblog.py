@@ -1,0 +1,29 @@
+"""Where a job of the workflow says what went wrong: all of it in its log, one line to the user."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from pathlib import Path
+
+
+def log_to(path: str | Path) -> None:
+    """Send standard error of this process to a file.
+
+    An error that ends the process leaves its traceback in the file; its message and the file's
+    name still go to where standard error went before.
+
+    Parameters
+    ----------
+    path : path-like
+        The log; what it held before is lost.
+    """
+    terminal = sys.stderr
+    log = open(path, "w", buffering=1, encoding="utf-8")
+
+    def report(kind, error, trace):
+        traceback.print_exception(kind, error, trace, file=log)
+        print(f"{error or kind.__name__} (see {path})", file=terminal, flush=True)
+
+    sys.stderr = log
+    sys.excepthook = report

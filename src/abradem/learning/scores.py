@@ -1,0 +1,94 @@
+"""Scores on the raw target and on its logarithm, as one tidy table.
+
+R2 = 1 - sum (y - p)^2 / sum (y - mean y)^2 over the rows scored. A wear rate is positive, but a
+linear model may predict less than zero: for the score on ln y alone, predictions are raised to
+the smallest target of the training rows, and ``floored_share`` tells how many were.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+METRICS = ("R2", "RMSE", "MAE", "MAPE", "R2_log", "floored_share")
+SCORE_COLUMNS = ["model", "protocol", "table", "split", "repeat", "metric", "value", "unit"]
+
+
+def r2(actual: np.ndarray, predicted: np.ndarray) -> float:
+    """Coefficient of determination; nan for fewer than two rows or a constant target."""
+    if len(actual) < 2:
+        return np.nan
+    spread = float(np.sum((actual - np.mean(actual)) ** 2))
+    return 1.0 - float(np.sum((actual - predicted) ** 2)) / spread if spread > 0.0 else np.nan
+
+
+def score(actual: np.ndarray, predicted: np.ndarray, floor: float) -> dict[str, float]:
+    """All metrics of predictions; nan where one is undefined.
+
+    Parameters
+    ----------
+    actual, predicted : ndarray, shape (n,)
+        In the unit of the target.
+    floor : float
+        Smallest target of the training rows, the least that R2_log takes as predicted.
+    """
+    actual, predicted = np.asarray(actual, dtype=float), np.asarray(predicted, dtype=float)
+    error = predicted - actual
+    positive = bool((actual > 0.0).all() and floor > 0.0)
+    return {
+        "R2": r2(actual, predicted),
+        "RMSE": float(np.sqrt(np.mean(error**2))),
+        "MAE": float(np.mean(np.abs(error))),
+        "MAPE": float(np.mean(np.abs(error) / actual)) if positive else np.nan,
+        "R2_log": r2(np.log(actual), np.log(np.maximum(predicted, floor))) if positive else np.nan,
+        "floored_share": float(np.mean(predicted < floor * (1.0 - 1e-9))) if positive else np.nan,
+    }
+
+
+def score_rows(
+    metrics: dict[str, float],
+    *,
+    model: str,
+    protocol: str,
+    table: str,
+    split: str,
+    repeat: int,
+    target_unit: str,
+) -> list[dict]:
+    """Rows of the tidy table for the metrics of one split."""
+    keys = {"model": model, "protocol": protocol, "table": table, "split": split, "repeat": repeat}
+    return [
+        {
+            **keys,
+            "metric": name,
+            "value": value,
+            "unit": target_unit if name in ("RMSE", "MAE") else "1",
+        }
+        for name, value in metrics.items()
+    ]
+
+
+def summarise(scores: pd.DataFrame, confidence: float = 0.95) -> pd.DataFrame:
+    """Centre and interval of each metric over the repeats.
+
+    The interval holds the central ``confidence`` of the repeats. Splits of one table overlap,
+    so it tells how much a single split may mislead; it is not a standard error of the mean.
+
+    Returns
+    -------
+    pandas.DataFrame
+        model, protocol, table, split, metric, unit, repeats (with a value), mean, median,
+        lower, upper.
+    """
+    keys = ["model", "protocol", "table", "split", "metric", "unit"]
+    rows = []
+    for key, group in scores.groupby(keys, sort=False):
+        values = group["value"].to_numpy(dtype=float)
+        values = values[np.isfinite(values)]
+        tail = 50.0 * (1.0 - confidence)
+        lower, median, upper = (
+            np.percentile(values, [tail, 50.0, 100.0 - tail]) if values.size else [np.nan] * 3
+        )
+        mean = float(values.mean()) if values.size else np.nan
+        rows.append((*key, values.size, mean, float(median), float(lower), float(upper)))
+    return pd.DataFrame(rows, columns=[*keys, "repeats", "mean", "median", "lower", "upper"])

@@ -1,0 +1,162 @@
+"""How far the simulations of all jobs are: one line every few seconds, and the time left.
+
+The process that starts the jobs watches the files that shards leave: a finished shard has its
+``runs`` table, a running one keeps each finished case in a folder (see `abradem.shards`). The
+jobs themselves report nothing, so results cannot depend on progress.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from abradem.shards import STARTED, finished_cases, resumed_cases
+
+
+@dataclass(frozen=True)
+class Shard:
+    """A shard that this run has to simulate.
+
+    Parameters
+    ----------
+    cases : int
+        Number of its cases.
+    runs : path
+        Its ``runs`` table.
+    finished : path
+        Its folder of finished cases.
+    """
+
+    cases: int
+    runs: Path
+    finished: Path
+
+
+class Monitor:
+    """Prints how many of all cases are done, from a thread of its own.
+
+    Parameters
+    ----------
+    total : int
+        Cases of the whole study.
+    folder : path
+        Folder for the file whose age tells this run's results from earlier ones.
+    stream : text file, optional
+        On a terminal the line is renewed in place, elsewhere a new line is written; standard
+        error if not given.
+    """
+
+    def __init__(self, total: int, folder: Path, stream: TextIO | None = None):
+        self.total = total
+        self.folder = Path(folder)
+        self._mark = self.folder / "began"
+        self.stream = sys.stderr if stream is None else stream
+        self.in_place = self.stream.isatty()
+        self.interval = 2.0 if self.in_place else 5.0
+        self._waiting: dict[str, Shard] = {}
+        self._done = self._before = 0
+        self._resumed: dict[str, int] = {}
+        self._began = self._ended = 0
+        self._clock = 0.0
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def start(self, shards: Mapping[str, Shard]) -> None:
+        """Begin to watch and to print, if there is anything to simulate.
+
+        Parameters
+        ----------
+        shards : mapping of str to Shard
+            The shards that this run has to simulate; the cases of all others count as done.
+        """
+        if shards:
+            self.begin(shards)
+            self._thread = threading.Thread(target=self._watch, daemon=True)
+            self._thread.start()
+
+    def stop(self) -> None:
+        """Print the last line and end."""
+        if self._thread is not None:
+            self._stop.set()
+            self._thread.join()
+            self._thread = None
+            if self._waiting:
+                self._print(self.line(), last=True)
+            self._mark.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):
+                # Stays where an interrupted shard left finished cases.
+                self.folder.rmdir()
+
+    def begin(self, shards: Mapping[str, Shard]) -> None:
+        """Set the moment from which results count as this run's."""
+        self._waiting = dict(shards)
+        self._done = self._before = self.total - sum(shard.cases for shard in shards.values())
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._mark.write_text("", encoding="utf-8")
+        # The file system's clock, which other machines of a cluster share, not our own.
+        self._began = self._ended = self._mark.stat().st_mtime_ns
+        self._clock = time.monotonic()
+
+    def count(self) -> int:
+        """Cases of the study that are done."""
+        running = 0
+        for name, shard in list(self._waiting.items()):
+            written = _modified(shard.runs)
+            if written >= self._began:
+                del self._waiting[name]
+                self._done += shard.cases
+                self._ended = max(self._ended, written)
+            elif _modified(shard.finished / STARTED) >= self._began:
+                running += finished_cases(shard.finished)
+                self._resumed[name] = resumed_cases(shard.finished)
+        return self._done + running
+
+    def line(self) -> str:
+        """The progress in words."""
+        done = self.count()
+        text = f"simulations: {done} of {self.total} cases done"
+        computed = done - self._before - sum(self._resumed.values())
+        if done >= self.total:
+            return f"{text} in {duration((self._ended - self._began) / 1e9)}"
+        if computed > 0:
+            elapsed = time.monotonic() - self._clock
+            return f"{text}, about {duration(elapsed * (self.total - done) / computed)} left"
+        return text
+
+    def _watch(self) -> None:
+        shown = ""
+        while self._waiting and not self._stop.wait(self.interval):
+            line = self.line()
+            if self.in_place or line != shown:
+                self._print(line, last=not self._waiting)
+            shown = line
+
+    def _print(self, line: str, last: bool = False) -> None:
+        if self.in_place:
+            self.stream.write(f"\r\x1b[2K{line}" + ("\n" if last else ""))
+        else:
+            self.stream.write(line + "\n")
+        self.stream.flush()
+
+
+def duration(seconds: float) -> str:
+    """A length of time in the unit one would say it in."""
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    if minutes < 100:
+        return f"{minutes} min"
+    return f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def _modified(path: Path) -> int:
+    try:
+        return path.stat().st_mtime_ns
+    except FileNotFoundError:
+        return -1

@@ -1,0 +1,169 @@
+"""Which code made which result: content hashes for the workflow, versions for the reader.
+
+Snakemake does not see an edit in an imported package. Every rule therefore carries, as a
+parameter, a hash of the *content* of its script and of the modules that the script uses: an
+edit reruns that step and what follows, a touch or a revert reruns nothing.
+
+`STEPS` names the modules of each script. A test derives the same from the imports.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import platform
+from collections.abc import Iterable
+from pathlib import Path
+
+import abradem
+
+NEUTRAL = {
+    "abradem": "names and the version only",
+    "abradem.joblog": "says what went wrong",
+    "abradem.provenance": "records results, does not make them",
+}
+"""Modules whose content cannot change a result, and why; no step depends on them."""
+
+HARMLESS = {
+    "abradem.dataset": (
+        "COLUMNS", "TableError", "WEAR_COLUMNS", "concatenate", "content_hash", "read_table",
+        "replacing", "wear_column", "write_json", "write_table",
+    ),
+    "abradem.parameters": ("READINGS", "SAMPLED_NAMES", "STATISTICS"),
+}  # fmt: skip
+"""What a step may use of a module without depending on it: storage, which leaves values as they
+are, and names, which would change the tables themselves. So a column added to the data set, or
+the label of a quantity, does not repeat the simulations."""
+
+_JOIN = ("abradem.dataset", "abradem.features", "abradem.parameters")
+_RATES = ("abradem.wear_rate", "abradem.dem")
+_FIGURE = ("abradem.figures.style", "abradem.parameters")
+
+STEPS: dict[str, tuple[str, ...]] = {
+    "sample": ("abradem.sampling", "abradem.parameters", "abradem.shards", "abradem.dem"),
+    "join_cases": (),
+    "simulate": ("abradem.shards", "abradem.dem"),
+    "export": ("abradem.shards", "abradem.dem"),
+    "wear_rates": (*_RATES, "abradem.shards"),
+    "failures": _JOIN,
+    "dataset": _JOIN,
+    "linear": (
+        "abradem.learning.linear", "abradem.learning.protocols", "abradem.learning.scores",
+        "abradem.parameters",
+    ),
+    "figure_series": (*_FIGURE, *_RATES, "abradem.figures.series", "abradem.shards"),
+    "figure_quality": (*_FIGURE, *_RATES, "abradem.figures.series"),
+    "figure_coefficients": (*_FIGURE, "abradem.figures.linear"),
+    "figure_predicted": (*_FIGURE, "abradem.figures.linear"),
+    "figure_maps": (*_FIGURE, *_RATES, "abradem.figures.maps", "abradem.shards"),
+    "table": (),
+    "summary": (*_RATES, "abradem.summary", "abradem.parameters"),
+    "provenance": (),
+}  # fmt: skip
+"""Modules (a package means all below it) that the script ``workflow/scripts/<step>.py`` uses."""
+
+PACKAGES = (
+    "matplotlib", "numba", "numpy", "pandas", "pyarrow", "scikit-learn", "scipy", "snakemake",
+    "torch",
+)  # fmt: skip
+"""Distributions whose versions are recorded."""
+
+
+def source_files(module: str) -> list[Path]:
+    """Source files of a module, or of all modules of a package, without importing it.
+
+    Parameters
+    ----------
+    module : str
+        Dotted name that begins with ``abradem``.
+    """
+    folder = Path(abradem.__path__[0])
+    path = folder.joinpath(*module.split(".")[1:])
+    if path.is_dir():
+        return sorted(path.rglob("*.py"))
+    if path.with_suffix(".py").is_file():
+        return [path.with_suffix(".py")]
+    raise ValueError(f"{module}: no such module in {folder}")
+
+
+def code_hash(modules: Iterable[str], *files: Path) -> str:
+    """Hash of the content of modules and of further files; independent of where they lie.
+
+    Parameters
+    ----------
+    modules : iterable of str
+        Dotted names; a package means all modules below it.
+    files : path
+        Further sources, such as the script of a rule.
+
+    Returns
+    -------
+    str
+        16 hexadecimal digits.
+    """
+    root = Path(abradem.__path__[0])
+    named = {
+        path.relative_to(root).as_posix(): path
+        for module in modules
+        for path in source_files(module)
+    }
+    named.update({f"file {Path(path).name}": Path(path) for path in files})
+    digest = hashlib.sha256()
+    for name in sorted(named):
+        digest.update(name.encode() + b"\0" + hashlib.sha256(named[name].read_bytes()).digest())
+    return digest.hexdigest()[:16]
+
+
+def step_hash(step: str, scripts: Path) -> str:
+    """Hash of all code that a step of the workflow depends on.
+
+    Parameters
+    ----------
+    step : str
+        Key of `STEPS`.
+    scripts : path
+        Folder of the workflow's scripts.
+    """
+    return code_hash(STEPS[step], Path(scripts) / f"{step}.py")
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python, of this package and of those it computes with."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    found = {"abradem": abradem.__version__, "python": platform.python_version()}
+    for name in PACKAGES:
+        with contextlib.suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return found
+
+
+def write_text(text: str, path: str | Path) -> None:
+    """Write a text file, complete or not at all."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_provenance(config: str, recorded: dict, config_path: Path, versions_path: Path) -> None:
+    """Write the resolved configuration and, as JSON, what else identifies a run.
+
+    Parameters
+    ----------
+    config : str
+        The whole configuration as YAML, defaults filled in.
+    recorded : dict
+        Seed, `versions`, code hashes; no time stamps, so that the same run writes the same
+        bytes.
+    config_path, versions_path : path
+        Where they go.
+    """
+    write_text(config, config_path)
+    write_text(json.dumps(recorded, indent=2, sort_keys=True) + "\n", versions_path)

@@ -1,0 +1,253 @@
+"""Simulations in shards: a run of neighbouring cases of one block, one job, three tables.
+
+A shard is a pure function of the block's cases, the set-up and the code, so that a study can
+grow without touching what it has. Each case that is finished is kept at once, under a name
+made of everything that determines it; a shard that was interrupted takes these up again and
+gives the same bytes as one that was not.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+from abradem.parameters import READINGS, SAMPLED_NAMES
+
+TABLES = ("series", "maps", "runs")
+
+JOBS_PER_BLOCK = 20
+"""Jobs that ``cases_per_job: auto`` makes of a block: enough to keep a few cores busy."""
+
+MOST_CASES_PER_JOB = 100
+"""Most cases of a job that ``cases_per_job: auto`` allows: what an interruption can cost."""
+
+STARTED = "started"
+"""File in a shard's folder of finished cases, renewed whenever the shard starts; it holds the
+number of cases that were finished before."""
+
+
+def cases_per_job(setting: str | int, cases_per_block: int) -> int:
+    """Cases of one job.
+
+    ``auto`` makes about `JOBS_PER_BLOCK` jobs of a block, with `MOST_CASES_PER_JOB` cases at
+    most: starting a job costs seconds. The rule looks at the block alone, so that neither more
+    blocks nor another machine cuts the shards differently.
+    """
+    if setting != "auto":
+        return min(int(setting), cases_per_block)
+    return min(MOST_CASES_PER_JOB, math.ceil(cases_per_block / JOBS_PER_BLOCK))
+
+
+def shards_of_block(cases_per_block: int, setting: str | int = "auto") -> list[tuple[int, int]]:
+    """First and last-plus-one case of every shard, counted within the block.
+
+    Parameters
+    ----------
+    cases_per_block : int
+    setting : "auto" or int
+        Cases of one job, see `cases_per_job`.
+    """
+    step = cases_per_job(setting, cases_per_block)
+    return [
+        (start, min(start + step, cases_per_block)) for start in range(0, cases_per_block, step)
+    ]
+
+
+def setup_from_dict(values: Mapping):
+    """The `Setup` that plain values (a mapping of its fields) describe."""
+    from abradem.dem.model import ContactModel, Interaction, Setup
+
+    values = dict(values)
+    if isinstance(values.get("contact"), Mapping):
+        values["contact"] = ContactModel(**values["contact"])
+    if isinstance(values.get("pair_interaction"), Mapping):
+        values["pair_interaction"] = Interaction(**values["pair_interaction"])
+    return Setup(**values)
+
+
+def case_from_row(row: Mapping):
+    """The `Case` of a row of a table of cases."""
+    from abradem.dem.model import Case
+
+    return Case(**{name: float(row[name]) for name in SAMPLED_NAMES}, seed=int(row["seed"]))
+
+
+def case_key(row: Mapping, setup: Mapping, code: str) -> str:
+    """Name of a finished case: a hash of all that determines it.
+
+    Parameters
+    ----------
+    row : mapping
+        Row of a table of cases.
+    setup : mapping
+        Plain values of the `Setup`.
+    code : str
+        Hash of the code that simulates.
+    """
+    values = {name: float(row[name]) for name in SAMPLED_NAMES}
+    identity = {name: int(row[name]) for name in ("case_id", "block", "seed")}
+    content = [values, identity, str(row["rejected"]), setup, code]
+    text = json.dumps(content, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+def run_case(row: Mapping, setup: Mapping) -> dict:
+    """Simulate one case.
+
+    Parameters
+    ----------
+    row : mapping
+        Row of a table of cases.
+    setup : mapping
+        Plain values of the `Setup`.
+
+    Returns
+    -------
+    dict
+        Under each name of `TABLES` a DataFrame; ``series`` and ``maps`` are empty for a
+        case that was not simulated, because it is rejected or the engine refuses it.
+    """
+    if row["rejected"]:
+        return _without_result(row, f"rejected: {row['rejected']}")
+    from abradem.dem import simulate
+
+    try:
+        result = simulate(case_from_row(row), setup_from_dict(setup))
+    except ValueError as error:
+        # The engine refuses what it cannot integrate; the other cases go on.
+        return _without_result(row, f"refused: {error}")
+    except Exception as error:
+        raise RuntimeError(f"case {row['case_id']}: {error}") from error
+    return _tables(row, result)
+
+
+def run_shard(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str = "") -> None:
+    """Simulate the cases of a shard and write its tables.
+
+    Parameters
+    ----------
+    cases : pandas.DataFrame
+        Rows of ``cases/block-*.parquet``.
+    setup : mapping
+        Plain values of the `Setup`.
+    outputs : mapping of str to path
+        Where each of `TABLES` goes.
+    finished : path
+        Folder of this shard alone in which finished cases are kept until all are done.
+    code : str
+        Hash of the code that simulates; cases finished by other code are not used.
+    """
+    from abradem.dataset import concatenate, read_table, write_table
+
+    finished = Path(finished)
+    finished.mkdir(parents=True, exist_ok=True)
+    rows = cases.to_dict("records")
+    keys = [case_key(row, setup, code) for row in rows]
+    _drop_others(finished, keys)
+    (finished / STARTED).write_text(str(finished_cases(finished)), encoding="utf-8")
+
+    frames = {name: [] for name in TABLES}
+    for row, key in zip(rows, keys, strict=True):
+        paths = {name: finished / f"{key}.{name}.parquet" for name in TABLES}
+        # The runs table is written last: if it is there, so are the others.
+        if not paths["runs"].exists():
+            for name, frame in run_case(row, setup).items():
+                write_table(frame, paths[name])
+        for name in TABLES:
+            frames[name].append(read_table(paths[name]))
+    for name in TABLES:
+        write_table(concatenate(frames[name]), outputs[name])
+    shutil.rmtree(finished)
+
+
+def finished_cases(folder: Path) -> int:
+    """Number of finished cases that a shard's folder holds."""
+    return sum(1 for _ in Path(folder).glob("*.runs.parquet"))
+
+
+def resumed_cases(folder: Path) -> int:
+    """Number of cases that a running shard took over from an earlier, interrupted run."""
+    try:
+        return int((Path(folder) / STARTED).read_text(encoding="utf-8"))
+    except (FileNotFoundError, ValueError):
+        return 0
+
+
+def _drop_others(folder: Path, keys: list[str]) -> None:
+    """Remove what belongs to none of ``keys``: remains of other values or other code."""
+    wanted = {f"{key}.{name}.parquet" for key in keys for name in TABLES}
+    for path in folder.iterdir():
+        if path.name not in wanted and path.name != STARTED:
+            path.unlink()
+
+
+def _tables(row: Mapping, result) -> dict:
+    """Tables of one simulated case."""
+    import numpy as np
+    import pandas as pd
+
+    case_id = int(row["case_id"])
+    series = pd.DataFrame({"case_id": np.full(len(result.time), case_id), "time": result.time})
+    for index, reading in enumerate(READINGS):
+        series[f"worn_{reading}"] = result.worn[:, index]
+    series["delivered_mass"] = result.delivered_mass
+
+    facet_x, facet_z = np.indices(result.facet_wear.shape[1:], dtype=np.int32)
+    maps = pd.DataFrame(
+        {
+            "case_id": np.full(facet_x.size, case_id),
+            "facet_x": facet_x.ravel(),
+            "facet_z": facet_z.ravel(),
+        }
+    )
+    for index, reading in enumerate(READINGS):
+        maps[f"wear_{reading}"] = result.facet_wear[index].ravel()
+
+    numbers = {name: float(getattr(result, name)) for name in _RUN_NUMBERS}
+    numbers["window_start"], numbers["window_end"] = (float(end) for end in result.window)
+    counts = {name: int(getattr(result, name)) for name in ("released", "removed")}
+    counts["settled"] = bool(result.settled)
+    return {"series": series, "maps": maps, "runs": _run_row(row, result.status, numbers, counts)}
+
+
+def _without_result(row: Mapping, status: str) -> dict:
+    """Tables of a case that was not simulated."""
+    import pandas as pd
+
+    numbers = dict.fromkeys((*_RUN_NUMBERS, "window_start", "window_end"), math.nan)
+    numbers["simulated_time"] = 0.0
+    counts = {"settled": False, "released": 0, "removed": 0}
+    series = ("time", *(f"worn_{reading}" for reading in READINGS), "delivered_mass")
+    wear = tuple(f"wear_{reading}" for reading in READINGS)
+    integers = dict.fromkeys(("case_id", "facet_x", "facet_z"), "int64")
+    return {
+        "series": pd.DataFrame(columns=("case_id", *series), dtype=float).astype(
+            {"case_id": "int64"}
+        ),
+        "maps": pd.DataFrame(columns=(*integers, *wear), dtype=float).astype(integers),
+        "runs": _run_row(row, status, numbers, counts),
+    }
+
+
+_RUN_NUMBERS = (
+    "simulated_time", "steady_from", "stderr", "time_step", "requested_rate", "delivered_rate",
+    "face_share", "edge_share", "missed_share", "max_overlap",
+)  # fmt: skip
+
+_RUN_COLUMNS = (
+    "case_id", "block", "seed", "status", "simulated_time", "steady_from", "settled",
+    "window_start", "window_end", "stderr", "time_step", "requested_rate", "delivered_rate",
+    "face_share", "edge_share", "missed_share", "max_overlap", "released", "removed",
+)  # fmt: skip
+
+
+def _run_row(row: Mapping, status: str, numbers: Mapping, counts: Mapping):
+    import pandas as pd
+
+    identity = {name: int(row[name]) for name in ("case_id", "block", "seed")}
+    values = {**identity, "status": status, **numbers, **counts}
+    return pd.DataFrame([values], columns=_RUN_COLUMNS)

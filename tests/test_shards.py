@@ -1,0 +1,227 @@
+"""Shards: the plan, the tables, and that an interruption changes nothing."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import abradem.dem
+from abradem import shards
+from abradem.dataset import read_table
+from abradem.dem.model import Case, Setup, SimulationResult
+from abradem.parameters import SAMPLED
+from abradem.shards import STARTED, TABLES, case_key, run_shard, setup_from_dict, shards_of_block
+
+SETUP = {"window": 1.0, "max_time": 3.0, "facet_size": 0.15}
+
+
+def table_of_cases(count=4, rejected=()):
+    frame = pd.DataFrame({"case_id": np.arange(count), "block": np.int32(0), "seed": 10})
+    for row in SAMPLED:
+        low, high = row.paper_range
+        frame[row.name] = np.linspace(low, high, count)
+    frame["rejected"] = ["too soft" if case in rejected else "" for case in range(count)]
+    return frame
+
+
+def result_of(case, setup, status="ok"):
+    rng = np.random.default_rng(int(case.particle_density))
+    worn = rng.random((5, 3)).cumsum(axis=0)
+    numbers = {
+        field.name: 0.1 for field in dataclasses.fields(SimulationResult) if field.type == "float"
+    }
+    others = {
+        "case": case, "setup": setup, "status": status, "time": np.arange(5.0), "worn": worn,
+        "delivered_mass": np.arange(5.0), "facet_wear": rng.random((3, *setup.facets)),
+        "facet_wear_all": rng.random((3, *setup.facets)), "window": (1.0, 2.0),
+        "released": 5, "removed": 4, "energy": {},
+    }  # fmt: skip
+    for field in dataclasses.fields(SimulationResult):
+        others.setdefault(field.name, numbers.get(field.name, True))
+    return SimulationResult(**others)
+
+
+@pytest.fixture
+def engine(monkeypatch):
+    """A simulation that counts its calls and may be told to fail at a case."""
+    calls = []
+
+    def simulate(case, setup):
+        calls.append(case)
+        if len(calls) == engine.fails_at:
+            raise engine.error
+        return result_of(case, setup)
+
+    engine.fails_at, engine.error = None, KeyboardInterrupt()
+    engine.calls = calls
+    monkeypatch.setattr(abradem.dem, "simulate", simulate, raising=False)
+    return engine
+
+
+def run(folder, cases=None, setup=SETUP, code="code"):
+    outputs = {name: folder / f"{name}.parquet" for name in TABLES}
+    cases = table_of_cases() if cases is None else cases
+    run_shard(cases, setup, outputs, folder / ".finished" / "shard", code)
+    return {name: read_table(path) for name, path in outputs.items()}
+
+
+# The plan
+
+
+@given(st.integers(1, 5000), st.one_of(st.just("auto"), st.integers(1, 6000)))
+def test_shards_cover_a_block_without_overlap(cases, setting):
+    plan = shards_of_block(cases, setting)
+    assert [case for start, stop in plan for case in range(start, stop)] == list(range(cases))
+
+
+def test_one_case_per_job_is_possible():
+    assert shards_of_block(3, 1) == [(0, 1), (1, 2), (2, 3)]
+
+
+def test_auto_makes_twenty_jobs_of_a_block_until_jobs_grow_too_long():
+    assert len(shards_of_block(100, "auto")) == 20
+    assert len(shards_of_block(10_000, "auto")) == 100
+
+
+# The tables
+
+
+def test_every_case_has_a_row_in_runs(engine, tmp_path):
+    tables = run(tmp_path, table_of_cases(rejected=[1]))
+    assert tables["runs"]["case_id"].tolist() == [0, 1, 2, 3]
+    assert tables["runs"]["status"].tolist() == ["ok", "rejected: too soft", "ok", "ok"]
+
+
+def test_a_rejected_case_is_not_simulated_and_has_no_series(engine, tmp_path):
+    tables = run(tmp_path, table_of_cases(rejected=[1]))
+    assert len(engine.calls) == 3
+    assert set(tables["series"]["case_id"]) == set(tables["maps"]["case_id"]) == {0, 2, 3}
+    row = tables["runs"].set_index("case_id").loc[1]
+    assert row["simulated_time"] == 0.0 and math.isnan(row["window_start"])
+
+
+def test_a_shard_of_rejected_cases_only_is_written(engine, tmp_path):
+    tables = run(tmp_path, table_of_cases(2, rejected=[0, 1]))
+    assert len(tables["runs"]) == 2 and len(tables["series"]) == 0
+    assert tables["maps"].dtypes["facet_x"] == np.int32
+
+
+def test_what_the_engine_refuses_is_a_status_and_the_others_go_on(engine, tmp_path):
+    engine.fails_at, engine.error = 2, ValueError("step too long")
+    tables = run(tmp_path)
+    assert tables["runs"]["status"].tolist() == ["ok", "refused: step too long", "ok", "ok"]
+
+
+def test_an_unforeseen_failure_names_its_case(engine, tmp_path):
+    engine.fails_at, engine.error = 3, ZeroDivisionError("division by zero")
+    with pytest.raises(RuntimeError, match=r"^case 2: division by zero"):
+        run(tmp_path)
+
+
+def test_tables_hold_what_the_simulation_returned(engine, tmp_path):
+    cases = table_of_cases()
+    tables = run(tmp_path, cases)
+    expected = result_of(shards.case_from_row(cases.iloc[2]), setup_from_dict(SETUP))
+    series = tables["series"].query("case_id == 2")
+    assert np.array_equal(series[["worn_total", "worn_sliding", "worn_friction"]], expected.worn)
+    maps = tables["maps"].query("case_id == 2")
+    shown = np.zeros(expected.facet_wear.shape)
+    for index, reading in enumerate(("total", "sliding", "friction")):
+        shown[index, maps["facet_x"], maps["facet_z"]] = maps[f"wear_{reading}"]
+    assert np.array_equal(shown, expected.facet_wear)
+
+
+# Interruptions
+
+
+def test_an_interrupted_shard_keeps_its_cases_and_ends_with_the_same_bytes(engine, tmp_path):
+    run(tmp_path / "whole")
+    engine.calls.clear()
+    engine.fails_at = 3
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path / "cut")
+    assert not list((tmp_path / "cut").glob("*.parquet"))
+    engine.calls.clear()
+    engine.fails_at = None
+    run(tmp_path / "cut")
+    assert len(engine.calls) == 2
+    for name in TABLES:
+        whole = (tmp_path / "whole" / f"{name}.parquet").read_bytes()
+        assert (tmp_path / "cut" / f"{name}.parquet").read_bytes() == whole
+
+
+@pytest.mark.parametrize("change", ["code", "setup", "cases"])
+def test_cases_finished_under_other_conditions_are_not_used(engine, tmp_path, change):
+    engine.fails_at = 3
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path)
+    engine.calls.clear()
+    engine.fails_at = None
+    cases = table_of_cases()
+    cases["restitution"] *= 0.9
+    run(tmp_path, **{
+        "code": {"code": "other"}, "setup": {"setup": {**SETUP, "window": 2.0}},
+        "cases": {"cases": cases},
+    }[change])  # fmt: skip
+    assert len(engine.calls) == 4
+
+
+def test_a_case_half_written_is_simulated_again(engine, tmp_path):
+    engine.fails_at = 2
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path)
+    (runs,) = (tmp_path / ".finished" / "shard").glob("*.runs.parquet")
+    runs.unlink()
+    engine.calls.clear()
+    engine.fails_at = None
+    run(tmp_path)
+    assert len(engine.calls) == 4
+
+
+def test_nothing_but_the_tables_is_left(engine, tmp_path):
+    run(tmp_path)
+    assert not (tmp_path / ".finished" / "shard").exists()
+    assert sorted(path.name for path in tmp_path.glob("*.*")) == [
+        ".finished", "maps.parquet", "runs.parquet", "series.parquet",
+    ]  # fmt: skip
+
+
+def test_a_shard_tells_how_many_cases_it_took_over(engine, tmp_path):
+    engine.fails_at = 3
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path)
+    folder = tmp_path / ".finished" / "shard"
+    assert (folder / STARTED).read_text() == "0" and shards.finished_cases(folder) == 2
+    engine.fails_at = 4
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path)
+    assert shards.resumed_cases(folder) == 2
+
+
+# Cases and set-ups as plain values
+
+
+def test_a_key_changes_with_every_value_of_a_case():
+    row = table_of_cases(1).iloc[0].to_dict()
+    keys = {case_key(row, SETUP, "")}
+    for name in (*(q.name for q in SAMPLED), "seed", "case_id"):
+        keys.add(case_key({**row, name: row[name] + 1}, SETUP, ""))
+    assert len(keys) == len(SAMPLED) + 3
+
+
+def test_a_row_becomes_the_case_of_its_values():
+    row = table_of_cases(1).iloc[0]
+    case = shards.case_from_row(row)
+    assert isinstance(case, Case) and case.seed == 10
+    assert case.restitution == row["restitution"]
+
+
+def test_plain_values_become_the_set_up_they_describe():
+    pair = {"restitution": 0.5, "static_friction": 0.3, "rolling_friction": 0.1}
+    setup = setup_from_dict({"contact": {"normal": "nominal_clipped"}, "pair_interaction": pair})
+    assert setup.contact.normal == "nominal_clipped" and setup.pair_interaction.restitution == 0.5
+    assert setup_from_dict({}) == Setup()

@@ -1,0 +1,100 @@
+import json
+import sys
+from pathlib import Path
+
+from abradem.config import ConfigError, load_config, sampled_ranges, setup_dict, to_yaml
+from abradem.progress import Monitor, Shard
+from abradem.provenance import STEPS, step_hash, versions
+from abradem.shards import shards_of_block
+
+try:
+    # The overlays of the command line come last, as they were merged.
+    CONFIG = load_config(
+        config,
+        sorted(
+            workflow.configfiles,
+            key=lambda path: path in workflow.overwrite_configfiles,
+        ),
+    )
+except ConfigError as error:
+    sys.exit(str(error))
+
+RESULTS = f"results/{CONFIG.study}"
+LOGS = f"{RESULTS}/logs"
+SETUP = setup_dict(CONFIG)
+
+# Hash of all code that a step uses, a parameter of its rule: an edit reruns the step.
+CODE = {
+    step: step_hash(step, Path(workflow.basedir, "workflow/scripts")) for step in STEPS
+}
+
+BLOCKS = range(CONFIG.sampling.blocks)
+SHARDS = shards_of_block(
+    CONFIG.sampling.cases_per_block, CONFIG.simulation.cases_per_job
+)
+
+
+def shard_paths(pattern):
+    """Paths of a table of all shards of all blocks."""
+    return [
+        pattern.format(block=f"{block:03d}", shard=f"{shard:03d}")
+        for block in BLOCKS
+        for shard in range(len(SHARDS))
+    ]
+
+
+def shards_with(cases, pattern):
+    """Paths of a table of the shards that hold certain cases of the study."""
+    size = CONFIG.sampling.cases_per_block
+    places = {
+        (case // size, shard)
+        for case in cases
+        for shard, (start, stop) in enumerate(SHARDS)
+        if start <= case % size < stop
+    }
+    paths = [
+        pattern.format(block=f"{block:03d}", shard=f"{shard:03d}")
+        for block, shard in sorted(places)
+    ]
+    return list(dict.fromkeys(paths))
+
+
+def figure_file(name, label, suffix):
+    """The file of a figure in one format, as the report shows it."""
+    return report(
+        f"{RESULTS}/figures/{name}.{suffix}",
+        caption=f"../report/{name}.rst",
+        category="Figures",
+        labels={"figure": label, "format": suffix},
+    )
+
+
+def figure_files(name, label):
+    """The files of a figure, one for each format."""
+    return [figure_file(name, label, suffix) for suffix in CONFIG.figures.formats]
+
+
+def to_simulate(jobs):
+    """The shards, as the monitor knows them, among the jobs of a run."""
+    return {
+        job.output.runs: Shard(
+            cases=len(range(*SHARDS[int(job.wildcards.shard)])),
+            runs=Path(job.output.runs),
+            finished=Path(job.params.finished),
+        )
+        for job in jobs
+        if job.rule.name == "simulate"
+    }
+
+
+MONITOR = Monitor(CONFIG.cases, Path(RESULTS, ".finished"))
+
+# What the report's overview says; it is there once the results are.
+SUMMARY = Path(RESULTS, "summary.json")
+config["summary"] = json.loads(SUMMARY.read_text()) if SUMMARY.is_file() else {}
+
+
+wildcard_constraints:
+    block=r"\d+",
+    shard=r"\d+",
+    case=r"\d+",

@@ -1,0 +1,82 @@
+report: "../report/workflow.rst"
+
+
+# Tables that the report offers for reading; the Parquet files stay the data.
+TABLES = {
+    "linear_coefficients": rules.linear.output.coefficients,
+    "scores": rules.linear.output.scores,
+    "failures": rules.failures.output,
+}
+
+
+rule documents:
+    input:
+        expand(f"{RESULTS}/tables/{{table}}.csv", table=TABLES),
+        f"{RESULTS}/summary.json",
+        f"{RESULTS}/config.yaml",
+        f"{RESULTS}/versions.json",
+
+
+rule table:
+    input:
+        lambda wildcards: TABLES[wildcards.table],
+    output:
+        report(
+            f"{RESULTS}/tables/{{table}}.csv",
+            caption="../report/table.rst",
+            category="Tables",
+            labels={"table": "{table}"},
+        ),
+    log:
+        f"{LOGS}/table/{{table}}.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        code=CODE["table"],
+    script:
+        "../scripts/table.py"
+
+
+rule summary:
+    input:
+        dataset=rules.dataset.output[0],
+        failures=rules.failures.output[0],
+        model=rules.linear.output.summary,
+    output:
+        SUMMARY,
+    log:
+        f"{LOGS}/summary.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        good_r2=CONFIG.wear_rate.good_r2,
+        code=CODE["summary"],
+    script:
+        "../scripts/summary.py"
+
+
+# Nothing depends on these files, so another machine or another version reruns only this.
+rule provenance:
+    output:
+        config=report(
+            f"{RESULTS}/config.yaml",
+            caption="../report/config.rst",
+            category="Provenance",
+            labels={"file": "resolved configuration"},
+        ),
+        versions=report(
+            f"{RESULTS}/versions.json",
+            caption="../report/versions.rst",
+            category="Provenance",
+            labels={"file": "versions and seed"},
+        ),
+    log:
+        f"{LOGS}/provenance.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        config=to_yaml(CONFIG),
+        recorded={"seed": CONFIG.seed, "versions": versions(), "code": CODE},
+        code=CODE["provenance"],
+    script:
+        "../scripts/provenance.py"

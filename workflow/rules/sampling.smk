@@ -1,0 +1,44 @@
+rule sampling:
+    input:
+        f"{RESULTS}/cases.parquet",
+
+
+rule sample:
+    output:
+        f"{RESULTS}/cases/block-{{block}}.parquet",
+    log:
+        f"{LOGS}/sample/block-{{block}}.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={
+            "seed": CONFIG.seed,
+            "cases_per_block": CONFIG.sampling.cases_per_block,
+            "method": CONFIG.sampling.method,
+            "ranges": sampled_ranges(CONFIG),
+        },
+        setup=SETUP,
+        code=CODE["sample"],
+    script:
+        "../scripts/sample.py"
+
+
+# A join made of the blocks, never their source: new blocks leave the old ones untouched.
+rule join_cases:
+    input:
+        expand(f"{RESULTS}/cases/block-{{block:03d}}.parquet", block=BLOCKS),
+    output:
+        report(
+            f"{RESULTS}/cases.parquet",
+            caption="../report/cases.rst",
+            category="Data",
+            labels={"table": "parameter sets"},
+        ),
+    log:
+        f"{LOGS}/join_cases.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        code=CODE["join_cases"],
+    script:
+        "../scripts/join_cases.py"

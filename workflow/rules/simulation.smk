@@ -1,0 +1,53 @@
+rule simulation:
+    input:
+        shard_paths(f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet"),
+
+
+# A shard depends on its block's cases alone, so that a study grows by its new blocks.
+rule simulate:
+    input:
+        cases=f"{RESULTS}/cases/block-{{block}}.parquet",
+    output:
+        series=f"{RESULTS}/series/block-{{block}}-shard-{{shard}}.parquet",
+        maps=f"{RESULTS}/maps/block-{{block}}-shard-{{shard}}.parquet",
+        runs=f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet",
+    log:
+        f"{LOGS}/simulate/block-{{block}}-shard-{{shard}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/simulate/block-{{block}}-shard-{{shard}}.tsv"
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        setup=SETUP,
+        rows=lambda wildcards: SHARDS[int(wildcards.shard)],
+        finished=f"{RESULTS}/.finished/block-{{block}}-shard-{{shard}}",
+        code=CODE["simulate"],
+    script:
+        "../scripts/simulate.py"
+
+
+rule exports:
+    input:
+        expand(
+            f"{RESULTS}/export/case-{{case}}.parquet",
+            case=CONFIG.simulation.export.cases,
+        ),
+
+
+rule export:
+    input:
+        lambda wildcards: shards_with(
+            [int(wildcards.case)], f"{RESULTS}/cases/block-{{block}}.parquet"
+        ),
+    output:
+        f"{RESULTS}/export/case-{{case}}.parquet",
+    log:
+        f"{LOGS}/export/case-{{case}}.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        setup=SETUP,
+        interval=CONFIG.simulation.export.interval_s,
+        code=CODE["export"],
+    script:
+        "../scripts/export.py"
