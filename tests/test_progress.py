@@ -1,6 +1,7 @@
 """The line of progress counts what is done, resumed and still missing."""
 
 import io
+import logging
 import os
 import time
 
@@ -120,6 +121,18 @@ def test_a_terminal_gets_one_line_renewed_in_place(study):
     text = study.stream.getvalue()
     assert text.count("\r") >= 2
     assert text.count("\n") == 1 and text.endswith("\n")
+
+
+def test_a_message_of_another_gets_the_line_of_the_terminal(study):
+    study.monitor.in_place = True
+    study.monitor.interval = 0.01
+    study.monitor.start(study.shards)
+    time.sleep(0.05)
+    study.monitor.interval = 60.0
+    time.sleep(0.05)
+    logging.getLogger("snakemake.logging").error("said")
+    assert study.stream.getvalue().endswith("\r\x1b[2K")
+    study.monitor.stop()
 
 
 def test_nothing_is_printed_or_left_if_nothing_is_simulated(study, tmp_path):

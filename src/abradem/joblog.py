@@ -6,6 +6,9 @@ import sys
 import traceback
 from pathlib import Path
 
+CLEAR = "\r\x1b[2K"
+"""What makes a terminal forget the line it is in."""
+
 
 def log_to(path: str | Path) -> None:
     """Send standard error of this process to a file.
@@ -23,7 +26,9 @@ def log_to(path: str | Path) -> None:
 
     def report(kind, error, trace):
         traceback.print_exception(kind, error, trace, file=log)
-        print(f"{error or kind.__name__} (see {path})", file=terminal, flush=True)
+        # On a terminal, the line of progress may stand where this goes.
+        start = CLEAR if terminal.isatty() else ""
+        print(f"{start}{error or kind.__name__} (see {path})", file=terminal, flush=True)
 
     sys.stderr = log
     sys.excepthook = report

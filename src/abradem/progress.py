@@ -8,6 +8,7 @@ jobs themselves report nothing, so results cannot depend on progress.
 from __future__ import annotations
 
 import contextlib
+import logging
 import sys
 import threading
 import time
@@ -16,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
+from abradem.joblog import CLEAR
 from abradem.shards import STARTED, finished_cases, resumed_cases
 
 
@@ -38,6 +40,17 @@ class Shard:
     finished: Path
 
 
+class _MakeRoom(logging.Handler):
+    """Clears the line of progress before anything else is said."""
+
+    def __init__(self, monitor: Monitor):
+        super().__init__()
+        self.monitor = monitor
+
+    def emit(self, record) -> None:
+        self.monitor.clear()
+
+
 class Monitor:
     """Prints how many of all cases are done, from a thread of its own.
 
@@ -50,9 +63,18 @@ class Monitor:
     stream : text file, optional
         On a terminal the line is renewed in place, elsewhere a new line is written; standard
         error if not given.
+    beside : str
+        Name of the logger whose messages share the terminal.
     """
 
-    def __init__(self, total: int, folder: Path, stream: TextIO | None = None):
+    def __init__(
+        self,
+        total: int,
+        folder: Path,
+        stream: TextIO | None = None,
+        beside: str = "snakemake.logging",
+    ):
+        self.beside = beside
         self.total = total
         self.folder = Path(folder)
         self._mark = self.folder / "began"
@@ -64,6 +86,8 @@ class Monitor:
         self._resumed: dict[str, int] = {}
         self._began = self._ended = 0
         self._clock = 0.0
+        self._in_line = False
+        self._make_room = _MakeRoom(self)
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -77,6 +101,9 @@ class Monitor:
         """
         if shards:
             self.begin(shards)
+            if self.in_place:
+                # First of the handlers, so that the line goes before the message comes.
+                logging.getLogger(self.beside).handlers.insert(0, self._make_room)
             self._thread = threading.Thread(target=self._watch, daemon=True)
             self._thread.start()
 
@@ -86,6 +113,7 @@ class Monitor:
             self._stop.set()
             self._thread.join()
             self._thread = None
+            logging.getLogger(self.beside).removeHandler(self._make_room)
             if self._waiting:
                 self._print(self.line(), last=True)
             self._mark.unlink(missing_ok=True)
@@ -129,6 +157,13 @@ class Monitor:
             return f"{text}, about {duration(elapsed * (self.total - done) / computed)} left"
         return text
 
+    def clear(self) -> None:
+        """Take the line off the terminal until it is printed again."""
+        if self._in_line:
+            self._in_line = False
+            self.stream.write(CLEAR)
+            self.stream.flush()
+
     def _watch(self) -> None:
         shown = ""
         while self._waiting and not self._stop.wait(self.interval):
@@ -139,7 +174,8 @@ class Monitor:
 
     def _print(self, line: str, last: bool = False) -> None:
         if self.in_place:
-            self.stream.write(f"\r\x1b[2K{line}" + ("\n" if last else ""))
+            self.stream.write(f"{CLEAR}{line}" + ("\n" if last else ""))
+            self._in_line = not last
         else:
             self.stream.write(line + "\n")
         self.stream.flush()

@@ -28,8 +28,8 @@ NEUTRAL = {
 
 HARMLESS = {
     "abradem.dataset": (
-        "COLUMNS", "TableError", "WEAR_COLUMNS", "concatenate", "content_hash", "read_table",
-        "replacing", "wear_column", "write_json", "write_table",
+        "COLUMNS", "Column", "TableError", "WEAR_COLUMNS", "concatenate", "content_hash",
+        "read_table", "replacing", "wear_column", "write_json", "write_table",
     ),
     "abradem.parameters": ("READINGS", "SAMPLED_NAMES", "STATISTICS"),
 }  # fmt: skip
@@ -45,7 +45,7 @@ STEPS: dict[str, tuple[str, ...]] = {
     "sample": ("abradem.sampling", "abradem.parameters", "abradem.shards", "abradem.dem"),
     "join_cases": (),
     "simulate": ("abradem.shards", "abradem.dem"),
-    "export": ("abradem.shards", "abradem.dem"),
+    "export": ("abradem.export", "abradem.shards", "abradem.dem"),
     "wear_rates": (*_RATES, "abradem.shards"),
     "failures": _JOIN,
     "dataset": _JOIN,

@@ -29,8 +29,9 @@ rule simulate:
 rule exports:
     input:
         expand(
-            f"{RESULTS}/export/case-{{case}}.parquet",
+            f"{RESULTS}/export/case-{{case}}/{{table}}.parquet",
             case=CONFIG.simulation.export.cases,
+            table=["particles", "contacts", "wear"],
         ),
 
 
@@ -40,7 +41,9 @@ rule export:
             [int(wildcards.case)], f"{RESULTS}/cases/block-{{block}}.parquet"
         ),
     output:
-        f"{RESULTS}/export/case-{{case}}.parquet",
+        particles=f"{RESULTS}/export/case-{{case}}/particles.parquet",
+        contacts=f"{RESULTS}/export/case-{{case}}/contacts.parquet",
+        wear=f"{RESULTS}/export/case-{{case}}/wear.parquet",
     log:
         f"{LOGS}/export/case-{{case}}.log",
     conda:

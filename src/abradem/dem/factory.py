@@ -12,7 +12,6 @@ import numpy as np
 
 from abradem.dem.cache import kernel
 from abradem.dem.counter_random import uniform
-from abradem.dem.neighbours import append_pairs
 from abradem.dem.plate import plate_distance
 from abradem.dem.state import (
     DONE,
@@ -20,7 +19,6 @@ from abradem.dem.state import (
     GONE,
     NEEDS_ROOM,
     NOT_YET,
-    STOP_CROWDED,
     STOP_RELEASE,
     energy_of,
 )
@@ -48,7 +46,7 @@ def _is_free(problem, particles, x, y, z, near, near_count):
 
 @kernel
 def _place(problem, state, place, velocity, spin):
-    """Add a particle at the current step; False if its neighbours do not fit the pair list."""
+    """Add a particle at the current step."""
     tally = state.tally[0]
     new = tally.live
     particle = state.particles[new]
@@ -69,7 +67,6 @@ def _place(problem, state, place, velocity, spin):
     tally.placed += 1
     tally.draws = 0
     tally.energy_in += energy_of(problem, particle, tally.step)
-    return append_pairs(problem, state, new)
 
 
 @kernel
@@ -110,8 +107,7 @@ def _release_from_patch(problem, state):
                 near[near_count] = tally.live
                 near_count += 1
                 velocity = (0.0, problem.release_speed, 0.0)
-                if not _place(problem, state, (x, y, z), velocity, (0.0, 0.0, 0.0)):
-                    return STOP_CROWDED
+                _place(problem, state, (x, y, z), velocity, (0.0, 0.0, 0.0))
                 placed = True
                 break
         if not placed:
@@ -141,10 +137,7 @@ def _release_scheduled(problem, schedule, state):
         )
         if not _is_free(problem, particles, at[0], at[1], at[2], near, near_count):
             return STOP_RELEASE
-        if not _place(
-            problem, state, (at[0], at[1], at[2]), (v[0], v[1], v[2]), (w[0], w[1], w[2])
-        ):
-            return STOP_CROWDED
+        _place(problem, state, (at[0], at[1], at[2]), (v[0], v[1], v[2]), (w[0], w[1], w[2]))
     if tally.placed == total:
         tally.next_release = np.iinfo(np.int64).max
     else:

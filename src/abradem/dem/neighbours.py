@@ -77,6 +77,7 @@ def rebuild_pairs(problem, state):
     for i in range(live):
         if particles[i].motion == GONE:
             continue
+        start = found
         for offset in range(27):
             cx = cell[i, 0] + offset // 9 - 1
             cy = cell[i, 1] + offset // 3 % 3 - 1
@@ -90,16 +91,23 @@ def rebuild_pairs(problem, state):
                     continue
                 if found == pairs.size:
                     return False
-                pairs[found].i = i
-                pairs[found].j = j
-                pairs[found].stiffness = 0.0
-                k = head[i]
-                while k >= 0:
-                    if kept[k].j == j:
-                        pairs[found] = kept[k]
-                        break
-                    k = chain[k]
+                # In ascending order of the partner: forces are then summed in one order,
+                # whatever the grid, and every stepping gives the same bits.
+                at = found
+                while at > start and pairs[at - 1].j > j:
+                    pairs[at].j = pairs[at - 1].j
+                    at -= 1
+                pairs[at].j = j
                 found += 1
+        for p in range(start, found):
+            pairs[p].i = i
+            pairs[p].stiffness = 0.0
+            k = head[i]
+            while k >= 0:
+                if kept[k].j == pairs[p].j:
+                    pairs[p] = kept[k]
+                    break
+                k = chain[k]
     tally.pairs = found
     tally.drift = 0.0
     return True

@@ -1,0 +1,294 @@
+"""One step of one particle: what every stepping does with whatever it decides to step.
+
+Velocity Verlet: positions move with the half-step velocity; forces are taken at the new
+positions with the predicted full-step velocity; velocities finish with the new force. Wear and
+spring take the half-step velocity; wear takes the mean of the old and the new force.
+
+A step is `move`, then `touch_plate` and `touch_pair` for what overlaps, then `finish`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from abradem.dem.cache import kernel
+from abradem.dem.contact import entry_share, normal_force, slowed, tangential_force
+from abradem.dem.plate import facet_of, plate_distance
+from abradem.dem.state import (
+    FLYING,
+    GONE,
+    NOT_YET,
+    ON_EDGE,
+    ON_FACE,
+    TOUCHING,
+    WAKING,
+    energy_of,
+    fall_speed,
+    flight,
+)
+
+
+@kernel(inline=True)
+def move(problem, particle, step):
+    """Move a particle from ``step`` to the next; return the square of the distance."""
+    dt = problem.dt
+    x, y, z = particle.x, particle.y, particle.z
+    if particle.motion == FLYING:
+        time = dt * (step + 1 - particle.anchor_step)
+        particle.x = flight(particle.anchor_x, particle.vx, 0.0, time)
+        particle.y = flight(particle.anchor_y, particle.vy, -problem.gravity, time)
+        particle.z = flight(particle.anchor_z, particle.vz, 0.0, time)
+    else:
+        kick = 0.5 * dt / problem.mass
+        particle.half_vx = particle.vx + kick * particle.fx
+        particle.half_vy = particle.vy + kick * particle.fy
+        particle.half_vz = particle.vz + kick * particle.fz
+        particle.next_vx = particle.half_vx + kick * particle.fx
+        particle.next_vy = particle.half_vy + kick * particle.fy
+        particle.next_vz = particle.half_vz + kick * particle.fz
+        half = _turned(problem, particle, (particle.wx, particle.wy, particle.wz))
+        particle.half_wx, particle.half_wy, particle.half_wz = half
+        particle.next_wx, particle.next_wy, particle.next_wz = _turned(problem, particle, half)
+        particle.x += particle.half_vx * dt
+        particle.y += particle.half_vy * dt
+        particle.z += particle.half_vz * dt
+        _clear_load(problem, particle)
+    return (particle.x - x) ** 2 + (particle.y - y) ** 2 + (particle.z - z) ** 2
+
+
+@kernel(inline=True)
+def _turned(problem, particle, spin):
+    """Spin after half a step: contact torques first, then the rolling resistance."""
+    turn = 0.5 * problem.dt / problem.inertia
+    faster = (
+        spin[0] + turn * particle.mx,
+        spin[1] + turn * particle.my,
+        spin[2] + turn * particle.mz,
+    )
+    return slowed(faster, turn * particle.rolling)
+
+
+@kernel(inline=True)
+def _clear_load(problem, particle):
+    particle.fx = 0.0
+    particle.fy = -problem.mass * problem.gravity
+    particle.fz = 0.0
+    particle.mx = 0.0
+    particle.my = 0.0
+    particle.mz = 0.0
+    particle.rolling = 0.0
+    particle.in_contact = 0
+
+
+@kernel(inline=True)
+def wake(problem, particle, step):
+    """Give a flying particle that meets something its velocities of the step from ``step``."""
+    if particle.motion != FLYING:
+        return
+    particle.next_vx = particle.half_vx = particle.vx
+    particle.next_vz = particle.half_vz = particle.vz
+    particle.next_vy = fall_speed(problem, particle, step + 1)
+    particle.half_vy = particle.next_vy + 0.5 * problem.gravity * problem.dt
+    particle.next_wx = particle.half_wx = particle.wx
+    particle.next_wy = particle.half_wy = particle.wy
+    particle.next_wz = particle.half_wz = particle.wz
+    particle.motion = WAKING
+    _clear_load(problem, particle)
+
+
+@kernel(inline=True)
+def finish(problem, particle, step):
+    """Full-step velocities of what touches; what touches no more flies from here."""
+    kick = 0.5 * problem.dt / problem.mass
+    particle.vx = particle.half_vx + kick * particle.fx
+    particle.vy = particle.half_vy + kick * particle.fy
+    particle.vz = particle.half_vz + kick * particle.fz
+    half = (particle.half_wx, particle.half_wy, particle.half_wz)
+    particle.wx, particle.wy, particle.wz = _turned(problem, particle, half)
+    if particle.in_contact != 0:
+        particle.motion = TOUCHING
+    else:
+        particle.motion = FLYING
+        particle.anchor_step = step
+        particle.anchor_x = particle.x
+        particle.anchor_y = particle.y
+        particle.anchor_z = particle.z
+
+
+@kernel(inline=True)
+def _point_velocity(v, w, arm, n):
+    """v - arm (w x n): velocity of the surface point at ``-arm n`` from the centre."""
+    return (
+        v[0] - arm * (w[1] * n[2] - w[2] * n[1]),
+        v[1] - arm * (w[2] * n[0] - w[0] * n[2]),
+        v[2] - arm * (w[0] * n[1] - w[1] * n[0]),
+    )
+
+
+@kernel(inline=True)
+def _split(v, n):
+    """Return the part of v along n and the vector that remains."""
+    along = _dot(v, n)
+    return along, (v[0] - along * n[0], v[1] - along * n[1], v[2] - along * n[2])
+
+
+@kernel(inline=True)
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel(inline=True)
+def _load(particle, fn, n, ft, arm):
+    """Add a contact force on a particle that acts at ``-arm n`` from its centre."""
+    particle.fx += fn * n[0] + ft[0]
+    particle.fy += fn * n[1] + ft[1]
+    particle.fz += fn * n[2] + ft[2]
+    particle.mx -= arm * (n[1] * ft[2] - n[2] * ft[1])
+    particle.my -= arm * (n[2] * ft[0] - n[0] * ft[2])
+    particle.mz -= arm * (n[0] * ft[1] - n[1] * ft[0])
+    particle.in_contact = 1
+
+
+@kernel(inline=True)
+def touch_plate(problem, particle, tally, facet_wear):
+    """Contact of a particle with the plate: force, torque and wear of this step."""
+    radius, dt, law = problem.radius, problem.dt, problem.plate_law
+    distance, n, along, across, on_face = plate_distance(
+        problem.plate, particle.x, particle.y, particle.z
+    )
+    overlap = radius - distance
+    touched = particle.plate_stiffness != 0.0
+    if overlap <= 0.0 and not touched:
+        return
+
+    wake(problem, particle, tally.step)
+    half_speed, slide = _split(
+        _point_velocity(
+            (particle.half_vx, particle.half_vy, particle.half_vz),
+            (particle.half_wx, particle.half_wy, particle.half_wz),
+            radius,
+            n,
+        ),
+        n,
+    )
+    fn_old = particle.plate_fn
+    ft_old = (particle.plate_tx, particle.plate_ty, particle.plate_tz)
+    fn, ft, spring = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    stiffness, stored, slips = 0.0, 0.0, False
+    if overlap > 0.0:
+        speed, slip = _split(
+            _point_velocity(
+                (particle.next_vx, particle.next_vy, particle.next_vz),
+                (particle.next_wx, particle.next_wy, particle.next_wz),
+                radius,
+                n,
+            ),
+            n,
+        )
+        share = 1.0
+        if touched:
+            spring = (particle.plate_sx, particle.plate_sy, particle.plate_sz)
+        else:
+            share = entry_share(overlap, -half_speed * dt)
+        du = (slide[0] * dt * share, slide[1] * dt * share, slide[2] * dt * share)
+        fn, s, q = normal_force(law, overlap, speed)
+        ft, spring, stiffness, stored, slips = tangential_force(
+            law, fn, s, q, n, spring, particle.plate_stiffness, du, slip
+        )
+        _load(particle, fn, n, ft, radius)
+        particle.rolling += law.rolling_friction * max(fn, 0.0) * radius
+        tally.largest_overlap = max(tally.largest_overlap, overlap / radius)
+        if particle.first_contact == NOT_YET:
+            particle.first_contact = ON_FACE if on_face else ON_EDGE
+            tally.face += 1 if on_face else 0
+            tally.edge += 0 if on_face else 1
+
+    # Archard's F_n ds in its three readings.
+    total = 0.5 * (max(fn_old, 0.0) + max(fn, 0.0)) * math.sqrt(_dot(slide, slide)) * dt
+    # Without friction everything slides: the other two readings have this limit.
+    sliding, friction = total, total
+    mu = law.static_friction
+    if mu > 0.0:
+        work_old, work = -_dot(ft_old, slide) * dt, -_dot(ft, slide) * dt
+        sliding = 0.0
+        if particle.plate_slips != 0:
+            sliding += 0.5 * max(work_old, 0.0) / mu
+        if slips:
+            sliding += 0.5 * max(work, 0.0) / mu
+        friction = (0.5 * (work_old + work) - (stored - particle.plate_energy)) / mu
+    ix, iz = facet_of(problem.plate, along, across)
+    facet_wear[0, ix, iz] += total
+    facet_wear[1, ix, iz] += sliding
+    facet_wear[2, ix, iz] += friction
+    tally.worn_total += total
+    tally.worn_sliding += sliding
+    tally.worn_friction += friction
+
+    particle.plate_stiffness = stiffness
+    particle.plate_sx, particle.plate_sy, particle.plate_sz = spring
+    particle.plate_fn = fn
+    particle.plate_tx, particle.plate_ty, particle.plate_tz = ft
+    particle.plate_energy = stored
+    particle.plate_slips = 1 if slips else 0
+
+
+@kernel(inline=True)
+def touch_pair(problem, pair, a, b, distance, n, tally):
+    """Contact of particles a and b; n points from b to a."""
+    law, dt = problem.pair_law, problem.dt
+    wake(problem, a, tally.step)
+    wake(problem, b, tally.step)
+    overlap = 2.0 * problem.radius - distance
+    arm = 0.5 * distance
+    # The arms are equal, so the relative velocity turns with the sum of the spins.
+    half_speed, slide = _split(
+        _point_velocity(
+            (a.half_vx - b.half_vx, a.half_vy - b.half_vy, a.half_vz - b.half_vz),
+            (a.half_wx + b.half_wx, a.half_wy + b.half_wy, a.half_wz + b.half_wz),
+            arm,
+            n,
+        ),
+        n,
+    )
+    speed, slip = _split(
+        _point_velocity(
+            (a.next_vx - b.next_vx, a.next_vy - b.next_vy, a.next_vz - b.next_vz),
+            (a.next_wx + b.next_wx, a.next_wy + b.next_wy, a.next_wz + b.next_wz),
+            arm,
+            n,
+        ),
+        n,
+    )
+    share, spring = 1.0, (0.0, 0.0, 0.0)
+    if pair.stiffness != 0.0:
+        spring = (pair.sx, pair.sy, pair.sz)
+    else:
+        share = entry_share(overlap, -half_speed * dt)
+    du = (slide[0] * dt * share, slide[1] * dt * share, slide[2] * dt * share)
+    fn, s, q = normal_force(law, overlap, speed)
+    ft, spring, stiffness, _, _ = tangential_force(
+        law, fn, s, q, n, spring, pair.stiffness, du, slip
+    )
+    _load(a, fn, n, ft, arm)
+    _load(b, fn, (-n[0], -n[1], -n[2]), (-ft[0], -ft[1], -ft[2]), arm)
+    rolling = law.rolling_friction * max(fn, 0.0) * problem.radius
+    a.rolling += rolling
+    b.rolling += rolling
+    pair.stiffness = stiffness
+    pair.sx, pair.sy, pair.sz = spring
+    pair.fn = fn
+    pair.tx, pair.ty, pair.tz = ft
+    tally.largest_overlap = max(tally.largest_overlap, overlap / problem.radius)
+
+
+@kernel(inline=True)
+def remove_if_fallen(problem, particle, tally):
+    """Take a particle out if it has fallen below the removal level."""
+    if particle.y >= problem.removal_height:
+        return
+    tally.energy_out += energy_of(problem, particle, tally.step)
+    if particle.first_contact == NOT_YET:
+        tally.missed += 1
+    particle.motion = GONE
+    tally.removed += 1
+    tally.gone += 1

@@ -1,0 +1,116 @@
+"""What is known exactly about spheres in contact: formulas, with their assumptions.
+
+Angles are from the plane's normal. m mass, R radius, v_n and v_t normal and tangential velocity
+before the impact, e restitution, mu static and mu_r rolling friction. SI.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from abradem.dem.model import Material
+
+HERTZ_DURATION = 2.9432750
+"""Duration of an elastic impact times speed over largest overlap: 4/5 B(2/5, 1/2)."""
+
+
+def effective_youngs_modulus(a: Material, b: Material | None = None) -> float:
+    """1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2, Pa; b None is rigid."""
+    compliance = (1.0 - a.poisson_ratio**2) / a.youngs_modulus
+    if b is not None:
+        compliance += (1.0 - b.poisson_ratio**2) / b.youngs_modulus
+    return 1.0 / compliance
+
+
+def effective_shear_modulus(a: Material, b: Material) -> float:
+    """1/G* = (2 - nu_1)/G_1 + (2 - nu_2)/G_2, Pa."""
+    return 1.0 / (
+        (2.0 - a.poisson_ratio) / a.shear_modulus + (2.0 - b.poisson_ratio) / b.shear_modulus
+    )
+
+
+class Hertz(NamedTuple):
+    """Elastic normal impact: largest force (N) and overlap (m), duration (s)."""
+
+    force: float
+    overlap: float
+    duration: float
+
+
+def hertz(youngs_star: float, radius: float, mass: float, speed: float) -> Hertz:
+    """Elastic impact of effective modulus, radius, mass; ``speed`` is that of approach.
+
+    d_max = (5 m v^2 / (4 k))^{2/5} with k = 4/3 E* sqrt(R*), F_max = k d_max^{3/2},
+    t_c = 2.94327 d_max / v (Hertz 1882).
+    """
+    stiffness = 4.0 / 3.0 * youngs_star * math.sqrt(radius)
+    overlap = (5.0 * mass * speed**2 / (4.0 * stiffness)) ** 0.4
+    return Hertz(stiffness * overlap**1.5, overlap, HERTZ_DURATION * overlap / speed)
+
+
+class Slip(NamedTuple):
+    """Impact that slips from its begin to its end.
+
+    Velocity of the centre along the plane (m/s), spin in the sense of rolling forward (rad/s),
+    ``total`` reading and friction work (J).
+    """
+
+    tangential_velocity: float
+    spin: float
+    total: float
+    friction_work: float
+
+
+def slip_angle_deg(mu: float, e: float, mu_r: float = 0.0) -> float:
+    """Angle above which an impact slips throughout: tan = (3.5 mu - 2.5 mu_r)(1 + e)."""
+    return math.degrees(math.atan((3.5 * mu - 2.5 * mu_r) * (1.0 + e)))
+
+
+def gross_slip(
+    mass: float, radius: float, v_n: float, v_t: float, mu: float, e: float, mu_r: float = 0.0
+) -> Slip:
+    """Impact with F_t = mu F_n throughout, spin 0 before; exact for e = 1.
+
+    Impulses: m dv_t = -mu m (1+e) v_n and I dw = R (mu - mu_r) m (1+e) v_n with I = 2/5 m R^2.
+    ``total`` = int F_n v_c dt, v_c the velocity of the contact point, linear in the impulse.
+    """
+    impulse = mass * (1.0 + e) * v_n
+    after = v_t - mu * impulse / mass
+    spin = 2.5 * max(mu - mu_r, 0.0) * impulse / (mass * radius)
+    mean_slip = v_t - (1.75 * mu - 1.25 * mu_r) * impulse / mass
+    return Slip(after, spin, impulse * mean_slip, mu * impulse * mean_slip)
+
+
+def friction_book(mass: float, before: float, after: float) -> float:
+    """Work of friction on a free sphere, (m/7)(v_c^2 - v_c'^2), J.
+
+    v_c is the velocity of the contact point along the plane; mu_r = 0. The force F_t changes it
+    by 7/2 F_t dt / m, so the work int F_t v_c dt does not depend on the law.
+    """
+    return mass / 7.0 * (before**2 - after**2)
+
+
+class Roll(NamedTuple):
+    """From sliding to rolling on a level plane: velocity (m/s), time (s), ``total`` (J)."""
+
+    velocity: float
+    time: float
+    total: float
+
+
+def slide_to_roll(mass: float, speed: float, mu: float, gravity: float) -> Roll:
+    """Sphere set on a plane with speed u0 and no spin: rolls with 5/7 u0 after 2 u0 / (7 mu g)."""
+    return Roll(
+        5.0 / 7.0 * speed, 2.0 * speed / (7.0 * mu * gravity), mass * speed**2 / (7.0 * mu)
+    )
+
+
+def incline_acceleration(angle_deg: float, mu: float, mu_r: float, gravity: float) -> float:
+    """Acceleration of a sphere down an incline, m/s2: slides, rolls or rests."""
+    sine, cosine = math.sin(math.radians(angle_deg)), math.cos(math.radians(angle_deg))
+    if sine <= mu_r * cosine:
+        return 0.0
+    if sine > (3.5 * mu - 2.5 * mu_r) * cosine:
+        return gravity * (sine - mu * cosine)
+    return 5.0 / 7.0 * gravity * (sine - mu_r * cosine)

@@ -1,0 +1,110 @@
+"""Experiments with one or two spheres that have a known outcome, done with the engine.
+
+Each returns what was measured; `closed_forms` says what should come out.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from abradem.verification.closed_forms import Hertz, Roll
+from abradem.verification.scenes import Scene, filmed
+
+STEPS_PER_CONTACT = 500
+"""Of the experiments with impacts."""
+
+_TOUCHING = 1.0 + 1e-9
+"""Height of a resting sphere over the plane in radii: not yet an overlap."""
+
+
+def head_on(scene: Scene, speed: float, duration: float, spins=None, offset: float = 0.0):
+    """Let two spheres meet at +-``speed`` along x in empty space and return (film, time step).
+
+    Parameters
+    ----------
+    scene : Scene
+    speed : float
+        Of each, m/s.
+    duration : float
+        About that of the contact, s; 500 steps are made of it.
+    spins : array_like, shape (2, 3), optional
+        Before the impact, rad/s.
+    offset : float
+        Half the distance between their lines of flight, m.
+    """
+    dt = duration / STEPS_PER_CONTACT
+    apart = 2.0 * math.sqrt(scene.radius**2 - offset**2) + 2.5 * speed * dt
+    releases = (
+        [0.0, 0.0],
+        [(-0.5 * apart, 1.0 - offset, 0.0), (0.5 * apart, 1.0 + offset, 0.0)],
+        [(speed, 0.0, 0.0), (-speed, 0.0, 0.0)],
+        np.zeros((2, 3)) if spins is None else spins,
+    )
+    time = 3.0 * duration
+    setup = scene.empty_space(time_step=dt, duration=time, sample_interval=time)
+    result, film = filmed(scene.case(), setup, releases)
+    if result.status != "ok":
+        raise RuntimeError(f"head-on impact ended early: {result.status}")
+    return film, dt
+
+
+def hertz_pair(scene: Scene, speed: float, duration: float) -> Hertz:
+    """Largest force, largest overlap and duration of a head-on impact."""
+    film, dt = head_on(scene, speed, duration)
+    overlap = 2.0 * scene.radius - np.hypot(
+        film.of("x", 1) - film.of("x", 0), film.of("y", 1) - film.of("y", 0)
+    )
+    return Hertz(
+        max(film.pair_force), float(overlap.max()), dt * float(np.count_nonzero(overlap > 0.0))
+    )
+
+
+def _settled(scene: Scene, gravity: float) -> float:
+    """Time in which the normal motion of a sphere set on the plane dies away, s."""
+    from abradem.dem.contact import effective_youngs_modulus
+
+    load = scene.mass * gravity
+    star = effective_youngs_modulus(scene.particle, scene.plate)
+    sag = (0.75 * load / (star * math.sqrt(scene.radius))) ** (2.0 / 3.0)
+    return 30.0 * math.sqrt(sag / gravity)
+
+
+def slide_to_roll(scene: Scene, speed: float, gravity: float = 9.81) -> Roll:
+    """Set a sphere without spin on a level plane and let friction make it roll.
+
+    Returns
+    -------
+    Roll
+        Final velocity, the time at which slipping ends, and ``total`` until then.
+    """
+    mu = scene.interaction.static_friction
+    expected = 2.0 * speed / (7.0 * mu * gravity)
+    dt = _settled(scene, gravity) / 30.0 / 50.0
+    duration = 1.5 * expected
+    setup = scene.plane(gravity=gravity, time_step=dt, duration=duration, sample_interval=duration)
+    release = ([0.0], [(0.0, _TOUCHING * scene.radius, 0.0)], [(speed, 0.0, 0.0)])
+    result, film = filmed(scene.case(), setup, release, every=5.0 * dt)
+    slip = film.of("vx") + scene.radius * film.of("wz")
+    end = int(np.argmax(slip < 1e-3 * speed))
+    # Slip falls linearly, so its last thousandth is added.
+    time = film.time[end] / (1.0 - 1e-3)
+    return Roll(float(film.of("vx")[-1]), time, float(result.worn[-1, 0]))
+
+
+def incline(scene: Scene, angle_deg: float, gravity: float = 9.81) -> float:
+    """Set a sphere at rest on an inclined plane; return its acceleration down the slope, m/s2."""
+    settling = _settled(scene, gravity)
+    dt = settling / 30.0 / 50.0
+    duration = 5.0 * settling
+    angle = math.radians(angle_deg)
+    height = _TOUCHING * scene.radius
+    release = ([0.0], [(-height * math.sin(angle), height * math.cos(angle), 0.0)], [(0, 0, 0)])
+    setup = scene.plane(gravity=gravity, time_step=dt, duration=duration, sample_interval=duration)
+    _, film = filmed(scene.case(plate_angle=angle_deg), setup, release, every=5.0 * dt)
+    time = np.array(film.time)
+    along = film.of("vx") * math.cos(angle) + film.of("vy") * math.sin(angle)
+    late = time > settling
+    slope = np.polyfit(time[late], -along[late], 1)[0]
+    return float(slope)

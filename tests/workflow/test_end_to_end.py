@@ -1,0 +1,369 @@
+"""The smoke study from configuration to report, and what reruns after which change.
+
+One copy of the project is run once; then most tests change something, count the jobs that a
+dry run would do, and change it back.
+"""
+
+import contextlib
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+
+from abradem.dataset import read_table
+
+ROOT = Path(__file__).parents[2]
+SMOKE = "studies/smoke.yaml"
+BLOCKS, SHARDS_PER_BLOCK = 2, 2
+SHARDS = BLOCKS * SHARDS_PER_BLOCK
+
+FIGURES = {
+    "figure_series": 1, "figure_maps": 1, "figure_quality": 1, "figure_coefficients": 1,
+    "figure_predicted": 1,
+}  # fmt: skip
+AFTER_DATASET = {
+    "linear": 1, "figure_quality": 1, "figure_coefficients": 1, "figure_predicted": 1,
+    "summary": 1, "table": 3, "all": 1,
+}  # fmt: skip
+AFTER_WEAR_RATES = {"failures": 1, "dataset": 1, **AFTER_DATASET}
+AFTER_SIMULATION = {"wear_rates": SHARDS, **AFTER_WEAR_RATES, **FIGURES}
+EVERYTHING = {
+    "sample": BLOCKS, "join_cases": 1, "simulate": SHARDS, "provenance": 1, **AFTER_SIMULATION,
+}  # fmt: skip
+
+
+class Project:
+    """A copy of the project in a folder of its own, run by its own sources."""
+
+    def __init__(self, root):
+        self.root = root
+        for name in ("Snakefile", "config.yaml"):
+            shutil.copy2(ROOT / name, root)
+        for name in ("studies", "workflow", "profiles", "src/abradem"):
+            shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
+        self.results = root / "results" / "smoke"
+        # Optimised less, the kernels compile sooner; the cases are small.
+        self.environment = {
+            **os.environ,
+            "PYTHONPATH": str(root / "src"),
+            "ABRADEM_CACHE_DIR": str(root / "cache"),
+            "NUMBA_OPT": "1",
+        }
+
+    def command(self, *arguments, overlays=(SMOKE,)):
+        return [
+            sys.executable, "-m", "snakemake", *arguments, "--configfile", "config.yaml", *overlays,
+        ]  # fmt: skip
+
+    def snakemake(self, *arguments, overlays=(SMOKE,), **environment):
+        return subprocess.run(
+            self.command(*arguments, overlays=overlays),
+            cwd=self.root, env={**self.environment, **environment}, text=True, check=False,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
+        )  # fmt: skip
+
+    def run(self, *arguments, overlays=(SMOKE,)):
+        """Run and return how many jobs of each rule were run."""
+        done = self.snakemake(*arguments, overlays=overlays)
+        assert done.returncode == 0, done.stdout
+        return job_counts(done.stdout)
+
+    def pending(self, *targets, overlays=(SMOKE,)):
+        """How many jobs of each rule a run would do."""
+        return self.run("--dry-run", *targets, overlays=overlays)
+
+    def overlay(self, values):
+        """An overlay on the smoke study that holds nested ``values``."""
+        path = self.root / "studies" / "change.yaml"
+        path.write_text(yaml.safe_dump(values))
+        return (SMOKE, "studies/change.yaml")
+
+    @contextlib.contextmanager
+    def edited(self, file, old, new):
+        """One edited place in a file, restored at the end."""
+        path = self.root / file
+        text = path.read_text(encoding="utf-8")
+        assert text.count(old) == 1, f"{file} holds {old!r} {text.count(old)} times"
+        path.write_text(text.replace(old, new), encoding="utf-8")
+        try:
+            yield
+        finally:
+            path.write_text(text, encoding="utf-8")
+
+
+def job_counts(text):
+    """Jobs of each rule, from the last table of jobs that snakemake printed."""
+    tables = re.findall(r"^job +count\n[- ]+\n(.*?)^total", text, re.MULTILINE | re.DOTALL)
+    if not tables:
+        assert "Nothing to be done" in text, text
+        return {}
+    return {name: int(count) for name, count in map(str.split, tables[-1].splitlines())}
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    """The project after a full run of the smoke study."""
+    project = Project(tmp_path_factory.mktemp("project"))
+    project.first = project.snakemake()
+    assert project.first.returncode == 0, project.first.stdout
+    return project
+
+
+def test_a_full_run_runs_every_rule(project):
+    assert job_counts(project.first.stdout) == EVERYTHING
+
+
+def test_a_run_says_what_it_will_do_and_how_far_it_is(project):
+    assert "smoke: 12 cases in 2 blocks, 4 simulation jobs, about" in project.first.stdout
+    assert re.search(r"^simulations: 12 of 12 cases done in", project.first.stdout, re.MULTILINE)
+
+
+def test_every_case_is_in_the_data_set_or_among_the_failures(project):
+    cases, dataset, failures = (
+        read_table(project.results / f"{name}.parquet") for name in ("cases", "dataset", "failures")
+    )
+    found = sorted([*dataset["case_id"], *failures["case_id"]])
+    assert found == cases["case_id"].tolist() == list(range(12))
+    assert len(dataset) > 0 and (dataset["status"] == "ok").all()
+
+
+def test_configuration_versions_and_seed_stand_beside_the_results(project):
+    resolved = yaml.safe_load((project.results / "config.yaml").read_text())
+    assert resolved["sampling"]["cases_per_block"] == 6 and "gravity" in resolved["simulation"]
+    recorded = json.loads((project.results / "versions.json").read_text())
+    assert recorded["seed"] == 1 and {"python", "numpy"} <= recorded["versions"].keys()
+
+
+def test_no_file_of_the_way_is_left(project):
+    left = [path for path in project.results.rglob(".*")]
+    assert left == []
+
+
+def test_nothing_is_to_be_done_after_a_run(project):
+    assert project.pending() == {}
+
+
+def test_a_touch_reruns_nothing(project):
+    for folder in ("src", "workflow", "studies", "results/smoke/cases", "results/smoke/runs"):
+        for path in (project.root / folder).rglob("*.*"):
+            path.touch()
+    for file in ("Snakefile", "config.yaml"):
+        (project.root / file).touch()
+    assert project.pending() == {}
+
+
+@pytest.mark.parametrize("stage", ["sampling", "simulation", "dataset", "learning", "figures"])
+def test_each_stage_is_a_target(project, stage):
+    assert project.pending(stage) == {}
+
+
+def test_the_report_holds_all_and_needs_no_network(project):
+    report = project.results / "report.html"
+    made = project.snakemake("--report", str(report))
+    assert made.returncode == 0, made.stdout
+    assert "WARNING" not in made.stdout
+    html = report.read_text(encoding="utf-8")
+    for name in ("series", "maps", "quality", "coefficients", "predicted"):
+        assert f"figures/{name}.png" in html
+    for name in ("dataset.parquet", "linear.json", "scores.csv", "failures.csv", "versions.json"):
+        assert name in html
+    assert "12 parameter sets" in html
+    assert not re.search(r'<(script|link|img)[^>]+(src|href)="https?:', html)
+    assert project.pending() == {}
+
+
+# What an edit of the code reruns
+
+
+def test_an_edited_wear_rate_reruns_wear_rates_and_what_follows(project):
+    with project.edited("src/abradem/wear_rate.py", "MM_PER_M = 1e3", "MM_PER_M = 1.0e3"):
+        jobs = project.pending()
+    assert jobs.pop("provenance") == 1
+    assert jobs == AFTER_SIMULATION
+    assert project.pending() == {}
+
+
+@pytest.mark.parametrize(
+    ("file", "jobs"),
+    [
+        ("src/abradem/figures/maps.py", {"figure_maps": 1}),
+        ("src/abradem/figures/linear.py", {"figure_coefficients": 1, "figure_predicted": 1}),
+        ("src/abradem/figures/style.py", FIGURES),
+        ("src/abradem/learning/linear.py", {
+            "linear": 1, "figure_coefficients": 1, "figure_predicted": 1, "summary": 1, "table": 2,
+        }),
+        ("src/abradem/features.py", AFTER_WEAR_RATES),
+        ("src/abradem/shards.py", EVERYTHING),
+        ("src/abradem/dem/synchronous.py", EVERYTHING),
+        ("workflow/scripts/table.py", {"table": 3}),
+        ("src/abradem/config.py", {}),
+        ("src/abradem/progress.py", {}),
+    ],
+)  # fmt: skip
+def test_an_edited_module_reruns_its_steps_and_what_follows(project, file, jobs):
+    path = project.root / file
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text + "# edited\n", encoding="utf-8")
+    try:
+        pending = project.pending()
+    finally:
+        path.write_text(text, encoding="utf-8")
+    # Hashes of the code are recorded, so their file is renewed with any edit that matters.
+    expected = {**jobs, "provenance": 1, "all": 1} if jobs else {}
+    assert pending == expected
+
+
+def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
+    shard = "results/smoke/series/block-000-shard-000.parquet"
+    before = (project.root / shard).read_bytes()
+    others = [f"series/block-{b:03d}-shard-{s:03d}.parquet" for b, s in ((0, 1), (1, 0), (1, 1))]
+    kept = {name: (project.results / name).read_bytes() for name in others}
+    with project.edited(
+        "src/abradem/dem/contact.py",
+        "force = law.kn * overlap * s",
+        "force = 1.2 * law.kn * overlap * s",
+    ):
+        assert project.pending("simulation")["simulate"] == SHARDS
+        assert project.run(shard)["simulate"] == 1
+        assert (project.root / shard).read_bytes() != before
+    project.run(shard)
+    assert (project.root / shard).read_bytes() == before
+    assert project.pending() == {}
+    assert kept == {name: (project.results / name).read_bytes() for name in others}
+
+
+# What another configuration reruns
+
+
+@pytest.mark.parametrize(
+    ("values", "jobs"),
+    [
+        ({"sampling": {"ranges": {"restitution": [0.3, 0.8]}}}, EVERYTHING),
+        ({"seed": 2}, EVERYTHING),
+        ({"simulation": {"stop": {"max_time_s": 4.0}}}, EVERYTHING),
+        ({"wear_rate": {"footprint_share": 0.9}}, {
+            k: v for k, v in AFTER_SIMULATION.items() if k not in ("figure_series", "figure_maps")
+        }),
+        ({"wear_rate": {"good_r2": 0.9}}, {"figure_quality": 1, "summary": 1}),
+        ({"features": {"damping_coefficient": "printed"}}, {
+            "dataset": 1, **AFTER_DATASET, "table": 2,
+        }),
+        ({"learning": {"linear": {"repeats": 3}}}, {
+            "linear": 1, "figure_coefficients": 1, "figure_predicted": 1, "summary": 1, "table": 2,
+        }),
+        ({"figures": {"series_cases": [1, 2]}}, {"figure_series": 1, "figure_maps": 1}),
+        ({"simulation": {"export": {"cases": [1]}}}, {"export": 1}),
+    ],
+)  # fmt: skip
+def test_a_changed_value_reruns_what_depends_on_it(project, values, jobs):
+    pending = project.pending(overlays=project.overlay(values))
+    assert pending == {**jobs, "provenance": 1, "all": 1}
+
+
+def test_one_case_per_job_is_possible(project):
+    overlays = project.overlay({"simulation": {"cases_per_job": 1}})
+    assert project.pending("simulation", overlays=overlays)["simulate"] == 12
+
+
+def test_an_export_holds_snapshots_of_its_case_and_reruns_no_simulation(project):
+    export = {"cases": [1], "interval_s": 0.5}
+    overlays = project.overlay({"simulation": {"export": export}})
+    assert project.run("exports", overlays=overlays) == {"export": 1, "exports": 1}
+    folder = project.results / "export" / "case-1"
+    particles = read_table(folder / "particles.parquet")
+    assert particles["time"].nunique() > 2 and particles["y"].notna().all()
+    assert {path.stem for path in folder.iterdir()} == {"particles", "contacts", "wear"}
+
+
+# Growth
+
+
+def test_more_blocks_run_only_their_own_cases(project):
+    assert project.pending(overlays=("studies/smoke_grown.yaml",)) == {
+        "sample": 2, "simulate": 4, "wear_rates": 4, "join_cases": 1, "provenance": 1,
+        **AFTER_WEAR_RATES,
+    }  # fmt: skip
+
+
+def test_fewer_blocks_run_only_the_joins(project):
+    overlays = project.overlay({"sampling": {"blocks": 1}, "figures": {"series_cases": [0, 1]}})
+    pending = project.pending(overlays=overlays)
+    assert pending == {
+        "join_cases": 1, "provenance": 1, "figure_series": 1, "figure_maps": 1, **AFTER_WEAR_RATES,
+    }  # fmt: skip
+
+
+# Interruptions and mistakes
+
+
+def test_a_killed_run_continues_to_the_same_bytes(project):
+    overlays = project.overlay({"study": "killed"})
+    results = project.root / "results" / "killed"
+    with subprocess.Popen(
+        project.command("simulation", "--cores", "2", overlays=overlays),
+        cwd=project.root, env=project.environment, start_new_session=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    ) as run:  # fmt: skip
+        deadline = time.monotonic() + 60.0
+        while not list(results.glob(".finished/*/started")) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        os.killpg(run.pid, signal.SIGKILL)
+    assert list(results.glob(".finished/*/started"))
+    assert project.snakemake("--unlock", overlays=overlays).returncode == 0
+    assert project.run("simulation", overlays=overlays)["simulate"] > 0
+    assert project.pending("simulation", overlays=overlays) == {}
+    for name in ("series", "maps", "runs"):
+        for path in sorted((project.results / name).glob("*.parquet")):
+            assert (results / name / path.name).read_bytes() == path.read_bytes()
+    assert not (results / ".finished").exists()
+
+
+def test_a_failing_step_is_one_line_and_leaves_the_failures(project):
+    with project.edited(
+        "src/abradem/dataset.py", "    missing = [name for name in DATASET_COLUMNS if name not in",
+        "    raise TableError('case 3 is odd')\n"
+        "    missing = [name for name in DATASET_COLUMNS if name not in",
+    ):  # fmt: skip
+        failed = project.snakemake("dataset")
+    assert failed.returncode != 0
+    assert "case 3 is odd (see results/smoke/logs/dataset.log)" in failed.stdout.splitlines()
+    assert (project.results / "failures.parquet").exists()
+    assert project.run()["dataset"] == 1
+    assert project.pending() == {}
+
+
+def test_a_malformed_configuration_is_one_line(project):
+    overlays = project.overlay({"sampling": {"ranges": {"restitution": [0.9, 0.2]}}})
+    refused = project.snakemake("--dry-run", overlays=overlays)
+    assert refused.returncode != 0
+    lines = [line for line in refused.stdout.splitlines() if "restitution" in line]
+    assert len(lines) == 1 and lines[0].startswith("studies/change.yaml: sampling.ranges.")
+    assert "Traceback" not in refused.stdout
+
+
+def test_without_the_package_the_answer_is_one_line(project, tmp_path):
+    (tmp_path / "sitecustomize.py").write_text(
+        "import sys\n"
+        "class Missing:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        "        if name == 'abradem':\n"
+        "            raise ModuleNotFoundError(name, name=name)\n"
+        "sys.meta_path.insert(0, Missing())\n"
+    )
+    refused = project.snakemake("--dry-run", PYTHONPATH=str(tmp_path))
+    assert refused.returncode != 0
+    assert "pip install -e ." in refused.stdout.splitlines()[-1]
+    assert "Traceback" not in refused.stdout
+
+
+def test_the_workflow_has_no_lint(project):
+    lint = project.snakemake("--lint")
+    assert lint.returncode == 0, lint.stdout
