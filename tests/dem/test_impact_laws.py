@@ -159,9 +159,7 @@ def test_equal_spheres_with_opposite_spins_keep_them():
 @pytest.mark.parametrize("mu_r", [0.0, 0.05])
 @pytest.mark.parametrize("mu", [0.1, 0.3, 0.45])
 def test_gross_slip_of_an_elastic_impact_matches_its_closed_form(mu, mu_r):
-    scene = STONE_SCENE.with_interaction(
-        restitution=1.0, static_friction=mu, rolling_friction=mu_r
-    )
+    scene = STONE_SCENE.with_interaction(restitution=1.0, static_friction=mu, rolling_friction=mu_r)
     angle = exact.slip_angle_deg(mu, 1.0, mu_r) + 5.0
     v_n, v_t = components(SPEED, angle)
     form = exact.gross_slip(scene.mass, scene.radius, v_n, v_t, mu, 1.0, mu_r)
@@ -249,9 +247,7 @@ def test_slipping_part_is_at_most_the_whole():
     ids=["speed", "radius", "density", "moduli"],
 )  # fmt: skip
 def test_readings_per_kinetic_energy_are_similar(speed, radius, density, stiffer):
-    other = Scene(
-        solid(15e9 * stiffer, 0.25, density), solid(200e9 * stiffer, 0.3, 7800.0), radius
-    )
+    other = Scene(solid(15e9 * stiffer, 0.25, density), solid(200e9 * stiffer, 0.3, 7800.0), radius)
     for angle in (15.0, 40.0, 70.0):
         one, two = STONE_SCENE.impact(SPEED, angle), other.impact(speed, angle)
         for reading in ("total", "sliding", "friction_work"):

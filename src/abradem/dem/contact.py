@@ -138,7 +138,7 @@ def rotated(spring, n):
 
 
 @kernel(inline=True)
-def tangential_force(law, fn, s, q, n, spring, k_before, du, vt):
+def tangential_force(law, fn, s, q, spring, k_before, du, vt):
     """Return the tangential force, the new spring, its stiffness, stored energy and slip flag.
 
     Parameters
@@ -146,10 +146,9 @@ def tangential_force(law, fn, s, q, n, spring, k_before, du, vt):
     law : Law
     fn, s, q : float
         From `normal_force`.
-    n : tuple of float
-        Unit normal.
     spring : tuple of float
-        Spring force, N (incremental), or accumulated displacement, m, of the step before.
+        Spring force, N (incremental), or accumulated displacement, m, of the step before, in
+        the tangent plane of now.
     k_before : float
         Tangential stiffness of the step before, N/m; 0 in the step of entry.
     du : tuple of float
@@ -158,7 +157,6 @@ def tangential_force(law, fn, s, q, n, spring, k_before, du, vt):
         Predicted tangential velocity at the contact point, m/s.
     """
     k = law.kt * s
-    spring = rotated(spring, n)
     if law.incremental:
         if k_before == 0.0:
             # The overlap grows linearly from zero, so the mean of its root is 2/3.
@@ -174,32 +172,33 @@ def tangential_force(law, fn, s, q, n, spring, k_before, du, vt):
         fz = -k * (spring[2] + du[2])
 
     cap = law.static_friction * abs(fn)
-    stretched = math.sqrt(fx * fx + fy * fy + fz * fz)
+    cap2 = cap * cap
+    stretched2 = fx * fx + fy * fy + fz * fz
     slips = False
     if law.tangential_damping == DAMPING_CAPPED:
         c = law.ct * q
-        tx = fx - c * vt[0]
-        ty = fy - c * vt[1]
-        tz = fz - c * vt[2]
-        trial = math.sqrt(tx * tx + ty * ty + tz * tz)
-        if trial > cap:
+        tx, ty, tz = fx - c * vt[0], fy - c * vt[1], fz - c * vt[2]
+        trial2 = tx * tx + ty * ty + tz * tz
+        if trial2 > cap2:
             slips = True
-            tx, ty, tz = tx * cap / trial, ty * cap / trial, tz * cap / trial
+            scale = cap / math.sqrt(trial2)
+            tx, ty, tz = tx * scale, ty * scale, tz * scale
     else:
         tx, ty, tz = fx, fy, fz
-        if stretched > cap:
+        if stretched2 > cap2:
             slips = True
-            tx, ty, tz = fx * cap / stretched, fy * cap / stretched, fz * cap / stretched
+            scale = cap / math.sqrt(stretched2)
+            tx, ty, tz = fx * scale, fy * scale, fz * scale
         elif law.tangential_damping == DAMPING_UNCAPPED:
             c = law.ct * q
             tx, ty, tz = fx - c * vt[0], fy - c * vt[1], fz - c * vt[2]
     # The spring itself never holds more than the cap. Setting it to cap minus damping instead
     # would feed energy in.
-    if stretched > cap:
-        scale = cap / stretched
+    if stretched2 > cap2:
+        scale = cap / math.sqrt(stretched2)
         fx, fy, fz = fx * scale, fy * scale, fz * scale
-        stretched = cap
-    energy = 0.5 * stretched * stretched / k
+        stretched2 = cap2
+    energy = 0.5 * stretched2 / k
     if law.incremental:
         spring = (fx, fy, fz)
     else:

@@ -26,6 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abradem.dem.borrow import borrowed, borrowed_state
 from abradem.dem.cache import kernel
 from abradem.dem.factory import release_due
 from abradem.dem.motion import finish, move, remove_if_fallen, touch_pair, touch_plate
@@ -81,6 +82,7 @@ class Agenda(NamedTuple):
     flights : ndarray, shape (7, capacity)
         Anchors of all flying particles, x y z vx vy vz step, for quick passes over all; x is
         `FAR` for the others.
+    scratch : ndarray, shape (capacity,)
     row_size, row_next, row_until : ndarray, shape (capacity,)
         Partners in the row of an awake particle, the first step at which one of them can be
         touched, the last step for which the row is complete.
@@ -93,6 +95,7 @@ class Agenda(NamedTuple):
     asleep: np.ndarray
     due: np.ndarray
     flights: np.ndarray
+    scratch: np.ndarray
     row_size: np.ndarray
     row_next: np.ndarray
     row_until: np.ndarray
@@ -107,6 +110,7 @@ def make_agenda(problem: Problem, capacity: int) -> Agenda:
         asleep=np.zeros(capacity, np.bool_),
         due=np.full(capacity, NEVER),
         flights=np.full((7, capacity), FAR),
+        scratch=np.zeros(capacity),
         row_size=np.zeros(capacity, np.int64),
         row_next=np.zeros(capacity, np.int64),
         row_until=np.zeros(capacity, np.int64),
@@ -129,9 +133,26 @@ def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
     return larger
 
 
+@kernel(inline=True)
+def _borrowed_agenda(agenda):
+    return Agenda(
+        borrowed(agenda.clock),
+        borrowed(agenda.awake),
+        borrowed(agenda.asleep),
+        borrowed(agenda.due),
+        borrowed(agenda.flights),
+        borrowed(agenda.scratch),
+        borrowed(agenda.row_size),
+        borrowed(agenda.row_next),
+        borrowed(agenda.row_until),
+        borrowed(agenda.rows),
+    )
+
+
 @kernel
 def advance(problem, schedule, state, agenda, last_step):
     """Advance to lattice step ``last_step``; return how that ended, at a whole step."""
+    state, agenda = borrowed_state(state), _borrowed_agenda(agenda)
     tally, clock = state.tally[0], agenda.clock[0]
     outcome = DONE
     while tally.step < last_step and outcome == DONE:
@@ -157,7 +178,7 @@ def advance(problem, schedule, state, agenda, last_step):
     return outcome
 
 
-@kernel
+@kernel(inline=True)
 def _step(problem, state, agenda):
     """Advance the awake by one lattice step; same order of everything as in `synchronous`."""
     tally, particles, clock = state.tally[0], state.particles, agenda.clock[0]
@@ -250,7 +271,7 @@ def _steps_to_close(problem, limit, distance2):
     return np.int64(math.floor(gap / (2.0 * limit * problem.dt)))
 
 
-@kernel
+@kernel(inline=True)
 def _touch_partners(problem, state, agenda, i, now):
     """Contacts of awake particle i with partners of higher index; look ahead for all."""
     particles, tally = state.particles, state.tally[0]
@@ -374,24 +395,12 @@ def _may_sleep(problem, state, agenda, i, now):
     if mine <= now + NAP:
         return False
 
+    _miss_distances(problem, flights, agenda.scratch, state.tally[0].live, now, x, y, z, vx, vy, vz)
     reach2 = (2.0 * problem.radius * (1.0 + SAFETY)) ** 2
     for j in range(state.tally[0].live):
-        # Both fall alike: the distance changes linearly from now on.
-        time_j = problem.dt * (now - flights[6, j])
-        px = x - (flights[0, j] + flights[3, j] * time_j)
-        py = y - (flights[1, j] + time_j * (flights[4, j] - 0.5 * problem.gravity * time_j))
-        pz = z - (flights[2, j] + flights[5, j] * time_j)
-        ux = vx - flights[3, j]
-        uy = vy - (flights[4, j] - problem.gravity * time_j)
-        uz = vz - flights[5, j]
-        nearing = -(px * ux + py * uy + pz * uz)
-        if nearing <= 0.0 or j == i:
+        if agenda.scratch[j] >= reach2 or j == i or flights[0, j] == FAR:
             continue
-        gap2 = px * px + py * py + pz * pz - reach2
-        discriminant = nearing * nearing - (ux * ux + uy * uy + uz * uz) * gap2
-        if discriminant <= 0.0 or flights[0, j] == FAR:
-            continue
-        meet = _due_step(problem, now, max(gap2, 0.0) / (nearing + math.sqrt(discriminant)))
+        meet = _due_step(problem, now, _time_to_meet(problem, flights, j, now, x, y, z, vx, vy, vz))
         mine = min(mine, meet)
         if meet < due[j]:
             due[j] = meet
@@ -402,6 +411,60 @@ def _may_sleep(problem, state, agenda, i, now):
         return False
     clock.next_due = min(clock.next_due, mine)
     return True
+
+
+@kernel(inline=True)
+def _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz):
+    """Place and velocity of a flying particle against flying particle j at step ``now``."""
+    time = problem.dt * (now - flights[6, j])
+    fall = problem.gravity * time
+    return (
+        x - (flights[0, j] + flights[3, j] * time),
+        y - (flights[1, j] + (flights[4, j] - 0.5 * fall) * time),
+        z - (flights[2, j] + flights[5, j] * time),
+        vx - flights[3, j],
+        vy - (flights[4, j] - fall),
+        vz - flights[5, j],
+    )
+
+
+@kernel(inline=True)
+def _miss_distances(problem, flights, out, live, now, x, y, z, vx, vy, vz):
+    """Square of the least distance that a flying particle will have to each other, m2.
+
+    Both fall alike, so the relative motion is a straight line. A plain loop without branches:
+    the compiler makes vector code of it.
+    """
+    for j in range(live):
+        px, py, pz, ux, uy, uz = _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz)
+        nearing = max(-(px * ux + py * uy + pz * uz), 0.0)
+        speed2 = ux * ux + uy * uy + uz * uz + 1e-300
+        away = FAR if nearing == 0.0 else 0.0
+        out[j] = away + (px * px + py * py + pz * pz) - nearing * nearing / speed2
+
+
+@kernel(inline=True)
+def _time_to_meet(problem, flights, j, now, x, y, z, vx, vy, vz):
+    """Time until a flying particle is within reach of flying particle j, s, or infinity."""
+    px, py, pz, ux, uy, uz = _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz)
+    reach = 2.0 * problem.radius * (1.0 + SAFETY)
+    gap2 = max(px * px + py * py + pz * pz - reach * reach, 0.0)
+    nearing = -(px * ux + py * uy + pz * uz)
+    discriminant = max(nearing * nearing - (ux * ux + uy * uy + uz * uz) * gap2, 0.0)
+    if nearing <= 0.0:
+        return np.inf
+    return gap2 / (nearing + math.sqrt(discriminant))
+
+
+@kernel(inline=True)
+def _distances(problem, flights, out, live, now, x, y, z):
+    """Square of the distance of a place to every flying particle at step ``now``, m2."""
+    for j in range(live):
+        time = problem.dt * (now - flights[6, j])
+        dx = x - (flights[0, j] + flights[3, j] * time)
+        dy = y - (flights[1, j] + (flights[4, j] - 0.5 * problem.gravity * time) * time)
+        dz = z - (flights[2, j] + flights[5, j] * time)
+        out[j] = dx * dx + dy * dy + dz * dz
 
 
 @kernel
@@ -418,22 +481,19 @@ def _make_row(problem, state, agenda, i, now):
     memory = rows[i, :kept].copy()
 
     a = particles[i]
+    live = state.tally[0].live
+    distance2 = agenda.scratch
+    _distances(problem, flights, distance2, live, now, a.x, a.y, a.z)
+    for k in range(clock.awake):
+        # What is awake stands where it is, in contact or not.
+        distance2[agenda.awake[k]] = _distance2(a, particles[agenda.awake[k]])
     steps = max(np.int64(REACH * problem.radius / (2.0 * clock.limit * problem.dt)), 1)
     while True:
         reach = 2.0 * problem.radius * (1.0 + SAFETY) + 2.0 * clock.limit * problem.dt * steps
         size = 0
         first = NEVER
-        for j in range(state.tally[0].live):
-            if agenda.asleep[j]:
-                time = problem.dt * (now - flights[6, j])
-                dx = a.x - (flights[0, j] + flights[3, j] * time)
-                dy = a.y - (flights[1, j] + time * (flights[4, j] - 0.5 * problem.gravity * time))
-                dz = a.z - (flights[2, j] + flights[5, j] * time)
-            else:
-                b = particles[j]
-                dx, dy, dz = a.x - b.x, a.y - b.y, a.z - b.z
-            distance2 = dx * dx + dy * dy + dz * dz
-            if distance2 >= reach * reach or j == i or particles[j].motion == GONE:
+        for j in range(live):
+            if distance2[j] >= reach * reach or j == i or particles[j].motion == GONE:
                 continue
             if size == SLOTS:
                 size += 1
@@ -441,7 +501,7 @@ def _make_row(problem, state, agenda, i, now):
             near = rows[i, size]
             near.j = j
             near.stiffness = 0.0
-            near.next_check = now + 1 + _steps_to_close(problem, clock.limit, distance2)
+            near.next_check = now + 1 + _steps_to_close(problem, clock.limit, distance2[j])
             first = min(first, near.next_check)
             size += 1
         if size <= SLOTS:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from abradem.dem.cache import kernel
-from abradem.dem.contact import entry_share, normal_force, slowed, tangential_force
+from abradem.dem.contact import entry_share, normal_force, rotated, slowed, tangential_force
 from abradem.dem.plate import facet_of, plate_distance
 from abradem.dem.state import (
     FLYING,
@@ -39,7 +39,7 @@ def move(problem, particle, step):
         particle.y = flight(particle.anchor_y, particle.vy, -problem.gravity, time)
         particle.z = flight(particle.anchor_z, particle.vz, 0.0, time)
     else:
-        kick = 0.5 * dt / problem.mass
+        kick = problem.kick
         particle.half_vx = particle.vx + kick * particle.fx
         particle.half_vy = particle.vy + kick * particle.fy
         particle.half_vz = particle.vz + kick * particle.fz
@@ -59,7 +59,7 @@ def move(problem, particle, step):
 @kernel(inline=True)
 def _turned(problem, particle, spin):
     """Spin after half a step: contact torques first, then the rolling resistance."""
-    turn = 0.5 * problem.dt / problem.inertia
+    turn = problem.turn
     faster = (
         spin[0] + turn * particle.mx,
         spin[1] + turn * particle.my,
@@ -99,7 +99,7 @@ def wake(problem, particle, step):
 @kernel(inline=True)
 def finish(problem, particle, step):
     """Full-step velocities of what touches; what touches no more flies from here."""
-    kick = 0.5 * problem.dt / problem.mass
+    kick = problem.kick
     particle.vx = particle.half_vx + kick * particle.fx
     particle.vy = particle.half_vy + kick * particle.fy
     particle.vz = particle.half_vz + kick * particle.fz
@@ -188,12 +188,15 @@ def touch_plate(problem, particle, tally, facet_wear):
         share = 1.0
         if touched:
             spring = (particle.plate_sx, particle.plate_sy, particle.plate_sz)
+            if not on_face:
+                # Round an edge the tangent plane turns; on the face it stays.
+                spring = rotated(spring, n)
         else:
             share = entry_share(overlap, -half_speed * dt)
         du = (slide[0] * dt * share, slide[1] * dt * share, slide[2] * dt * share)
         fn, s, q = normal_force(law, overlap, speed)
         ft, spring, stiffness, stored, slips = tangential_force(
-            law, fn, s, q, n, spring, particle.plate_stiffness, du, slip
+            law, fn, s, q, spring, particle.plate_stiffness, du, slip
         )
         _load(particle, fn, n, ft, radius)
         particle.rolling += law.rolling_friction * max(fn, 0.0) * radius
@@ -209,13 +212,14 @@ def touch_plate(problem, particle, tally, facet_wear):
     sliding, friction = total, total
     mu = law.static_friction
     if mu > 0.0:
+        per_mu = 1.0 / mu
         work_old, work = -_dot(ft_old, slide) * dt, -_dot(ft, slide) * dt
         sliding = 0.0
         if particle.plate_slips != 0:
-            sliding += 0.5 * max(work_old, 0.0) / mu
+            sliding += 0.5 * max(work_old, 0.0) * per_mu
         if slips:
-            sliding += 0.5 * max(work, 0.0) / mu
-        friction = (0.5 * (work_old + work) - (stored - particle.plate_energy)) / mu
+            sliding += 0.5 * max(work, 0.0) * per_mu
+        friction = (0.5 * (work_old + work) - (stored - particle.plate_energy)) * per_mu
     ix, iz = facet_of(problem.plate, along, across)
     facet_wear[0, ix, iz] += total
     facet_wear[1, ix, iz] += sliding
@@ -261,13 +265,13 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
     )
     share, spring = 1.0, (0.0, 0.0, 0.0)
     if pair.stiffness != 0.0:
-        spring = (pair.sx, pair.sy, pair.sz)
+        spring = rotated((pair.sx, pair.sy, pair.sz), n)
     else:
         share = entry_share(overlap, -half_speed * dt)
     du = (slide[0] * dt * share, slide[1] * dt * share, slide[2] * dt * share)
     fn, s, q = normal_force(law, overlap, speed)
     ft, spring, stiffness, _, _ = tangential_force(
-        law, fn, s, q, n, spring, pair.stiffness, du, slip
+        law, fn, s, q, spring, pair.stiffness, du, slip
     )
     _load(a, fn, n, ft, arm)
     _load(b, fn, (-n[0], -n[1], -n[2]), (-ft[0], -ft[1], -ft[2]), arm)

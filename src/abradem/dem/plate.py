@@ -21,12 +21,24 @@ class Plate(NamedTuple):
     half_width: float
     facets_x: int
     facets_z: int
+    # Facets per metre.
+    scale_x: float
+    scale_z: float
 
 
 def make_plate(length: float, width: float, angle_deg: float, facets: tuple[int, int]) -> Plate:
     """Return the plate tilted by ``angle_deg`` about +z."""
     angle = math.radians(angle_deg)
-    return Plate(math.cos(angle), math.sin(angle), 0.5 * length, 0.5 * width, *facets)
+    return Plate(
+        cos=math.cos(angle),
+        sin=math.sin(angle),
+        half_length=0.5 * length,
+        half_width=0.5 * width,
+        facets_x=facets[0],
+        facets_z=facets[1],
+        scale_x=facets[0] / length,
+        scale_z=facets[1] / width,
+    )
 
 
 @kernel(inline=True)
@@ -60,6 +72,6 @@ def plate_distance(plate, x, y, z):
 @kernel(inline=True)
 def facet_of(plate, along, z):
     """Return the facet (ix, iz) of a point on the plate."""
-    ix = int((along + plate.half_length) / (2.0 * plate.half_length) * plate.facets_x)
-    iz = int((z + plate.half_width) / (2.0 * plate.half_width) * plate.facets_z)
+    ix = int((along + plate.half_length) * plate.scale_x)
+    iz = int((z + plate.half_width) * plate.scale_z)
     return min(max(ix, 0), plate.facets_x - 1), min(max(iz, 0), plate.facets_z - 1)

@@ -49,6 +49,9 @@ class Problem(NamedTuple):
     radius: float
     mass: float
     inertia: float
+    # dt / 2m and dt / 2I: what a force or torque of 1 gives in half a step.
+    kick: float
+    turn: float
     plate: Plate
     plate_law: Law
     pair_law: Law
@@ -177,6 +180,8 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
         radius=radius,
         mass=mass,
         inertia=0.4 * mass * radius**2,
+        kick=0.5 * dt / mass,
+        turn=0.5 * dt / (0.4 * mass * radius**2),
         plate=make_plate(setup.plate_length, setup.plate_width, case.plate_angle, setup.facets),
         plate_law=make_law(
             case.particle, case.plate, case.interaction, setup.contact, radius, mass

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from abradem.dem.borrow import borrowed_state
 from abradem.dem.cache import kernel
 from abradem.dem.factory import release_due
 from abradem.dem.motion import finish, move, remove_if_fallen, touch_pair, touch_plate
@@ -27,6 +28,7 @@ def advance(problem, schedule, state, last_step):
 
     Calling it in pieces gives the same bits as calling it once.
     """
+    state = borrowed_state(state)
     tally = state.tally[0]
     while tally.step < last_step:
         if tally.gone > 16 + tally.live // 8:

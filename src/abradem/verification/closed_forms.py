@@ -101,9 +101,7 @@ class Roll(NamedTuple):
 
 def slide_to_roll(mass: float, speed: float, mu: float, gravity: float) -> Roll:
     """Sphere set on a plane with speed u0 and no spin: rolls with 5/7 u0 after 2 u0 / (7 mu g)."""
-    return Roll(
-        5.0 / 7.0 * speed, 2.0 * speed / (7.0 * mu * gravity), mass * speed**2 / (7.0 * mu)
-    )
+    return Roll(5.0 / 7.0 * speed, 2.0 * speed / (7.0 * mu * gravity), mass * speed**2 / (7.0 * mu))
 
 
 def incline_acceleration(angle_deg: float, mu: float, mu_r: float, gravity: float) -> float:

@@ -1,0 +1,48 @@
+"""An edit of the engine really changes results, although compiled kernels are kept on disk."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import abradem
+
+QUESTION = """
+import numpy as np
+from abradem.dem.factory import _is_free
+from abradem.dem.state import PARTICLE, make_problem
+from abradem.verification.scenes import Scene
+problem, _ = make_problem(Scene().case(), Scene().plane())
+print(_is_free(problem, np.zeros(1, PARTICLE), 0.0, 0.02, 0.0, np.zeros(1, np.int64), 0))
+"""
+
+
+def answer(folder, cache):
+    environment = os.environ | {"PYTHONPATH": str(folder), "ABRADEM_CACHE_DIR": str(cache)}
+    done = subprocess.run(
+        [sys.executable, "-c", QUESTION], env=environment, text=True, capture_output=True
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_an_edited_callee_in_another_file_is_really_used(tmp_path):
+    package, cache = tmp_path / "abradem", tmp_path / "cache"
+    shutil.copytree(Path(abradem.__file__).parent, package)
+    assert answer(tmp_path, cache) == "True"
+    compiled = len(list(cache.glob("kernels-*")))
+    # The caller stands in factory.py; its callee says that the plate is nearer than it is.
+    source = package / "dem" / "plate.py"
+    text = source.read_text()
+    assert text.count("return height, (-plate.sin, plate.cos, 0.0)") == 1
+    source.write_text(
+        text.replace(
+            "return height, (-plate.sin, plate.cos, 0.0)",
+            "return height - 0.015, (-plate.sin, plate.cos, 0.0)",
+        )
+    )
+    assert answer(tmp_path, cache) == "False"
+    assert len(list(cache.glob("kernels-*"))) == compiled + 1
+    source.write_text(text)
+    assert answer(tmp_path, cache) == "True"

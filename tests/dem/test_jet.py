@@ -1,0 +1,296 @@
+"""A jet on a plate: feed, removal, balances, guards, and results that depend on nothing else."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from abradem import simulate
+from abradem.dem import synchronous
+from abradem.dem.counter_random import uniform
+from abradem.dem.energy import energy_book
+from abradem.dem.model import Interaction
+from abradem.dem.state import DONE, GONE, grown, make_problem, make_state, rayleigh_time
+from abradem.verification.scenes import Scene, solid
+
+JET = Scene(
+    particle=solid(5e9, 0.25, 2500.0),
+    radius=0.02,
+    interaction=Interaction(0.5, 0.45, 0.05),
+)
+CASE = JET.case(plate_angle=30.0, particle_velocity_y=-3.0, seed=11)
+SHORT = JET.setup(duration=1.0, sample_interval=0.1, mass_rate=4.0)
+
+
+class Witness:
+    """Recorder that looks at the state without keeping it."""
+
+    def __init__(self, look, interval):
+        self.look, self.interval = look, interval
+
+    def record(self, time, problem, state):
+        self.look(time, problem, state)
+
+
+@pytest.fixture(scope="module")
+def jet():
+    return simulate(CASE, SHORT)
+
+
+# Feed
+
+
+def test_a_mass_rate_is_delivered_to_within_one_stone(jet):
+    poured = 4.0 * jet.simulated_time
+    assert jet.delivered_mass[-1] == pytest.approx(poured, abs=1.01 * JET.mass)
+    assert jet.delivered_rate == pytest.approx(jet.requested_rate, rel=0.03)
+
+
+def test_a_number_rate_is_delivered_to_within_one_stone():
+    for radius in (0.01, 0.03):
+        case = replace(CASE, particle_radius=radius)
+        setup = replace(SHORT, mass_rate=None, number_rate=40.0, duration=0.5)
+        result = simulate(case, setup)
+        assert result.released == pytest.approx(40.0 * result.simulated_time, abs=1.01)
+
+
+def test_stones_at_rest_on_a_vertical_patch_find_room_for_less_than_half():
+    heavy = Scene(particle=solid(15e9, 0.25, 4000.0), radius=0.005)
+    case = heavy.case(factory_angle=-90.0, plate_angle=60.0, seed=1)
+    result = simulate(case, JET.setup(duration=0.3, sample_interval=0.1, time_step_fraction=0.4))
+    assert result.status == "ok"
+    assert 0.25 < result.delivered_rate / result.requested_rate < 0.5
+
+
+def test_released_stones_start_on_the_patch_without_overlap():
+    case = replace(CASE, factory_angle=-40.0)
+    starts = {}
+
+    def look(_, problem, state):
+        particles = state.particles[: int(state.tally["live"][0])]
+        for p in particles[particles["motion"] != GONE]:
+            starts.setdefault(int(p["identity"]), (p["anchor_x"], p["anchor_y"], p["anchor_z"]))
+
+    simulate(case, replace(SHORT, duration=0.5), recorder=Witness(look, 5e-3))
+    x, y, z = np.array(list(starts.values())).T
+    angle = math.radians(-40.0)
+    along = x * math.cos(angle) + (y - 0.25) * math.sin(angle)
+    across = -x * math.sin(angle) + (y - 0.25) * math.cos(angle)
+    np.testing.assert_allclose(across, 0.0, atol=1e-15)
+    assert np.abs(along).max() <= 0.05 and np.abs(z).max() <= 0.05
+    assert np.abs(along).max() > 0.04 and np.abs(z).max() > 0.04
+
+
+def test_given_releases_replay_the_factory_bit_for_bit():
+    case = replace(CASE, plate_angle=50.0)
+    setup = replace(SHORT, duration=0.3, time_step_fraction=0.4)
+    dt = make_problem(case, setup)[0].dt
+    times, places = {}, {}
+
+    def look(_, problem, state):
+        for p in state.particles[: int(state.tally["live"][0])]:
+            key = int(p["identity"])
+            if key not in times:
+                times[key] = float(p["anchor_step"]) * problem.dt
+                places[key] = [float(p[f"anchor_{k}"]) for k in "xyz"]
+
+    poured = simulate(case, setup, recorder=Witness(look, dt))
+    order = sorted(times)
+    given = simulate(
+        case,
+        setup,
+        releases=(
+            [times[k] for k in order],
+            [places[k] for k in order],
+            [(0.0, case.particle_velocity_y, 0.0)] * len(order),
+        ),
+    )
+    assert given.released == poured.released > 10
+    assert np.array_equal(given.worn, poured.worn)
+
+
+@pytest.mark.parametrize(
+    ("releases", "words"),
+    [
+        (([0.0], [(0, 1)], [(0, 0, 0)]), "releases must be"),
+        (([0.1, 0.0], [(0, 1, 0)] * 2, [(0, 0, 0)] * 2), "ascend"),
+        (([0.0], [(0, math.nan, 0)], [(0, 0, 0)]), "finite"),
+    ],
+)
+def test_malformed_releases_are_refused(releases, words):
+    with pytest.raises(ValueError, match=words):
+        simulate(CASE, SHORT, releases=releases)
+
+
+def test_a_release_into_an_overlap_ends_the_case_with_its_reason():
+    releases = ([0.0, 0.0], [(0, 0.2, 0), (0.01, 0.2, 0)], [(0, 0, 0)] * 2)
+    assert simulate(CASE, SHORT, releases=releases).status == "release into an overlap"
+
+
+# Balances
+
+
+def test_what_was_released_is_removed_or_there(jet):
+    there = []
+
+    def look(_, problem, state):
+        live = state.particles[: int(state.tally["live"][0])]
+        there.append(
+            (int(state.tally["placed"][0]), int(state.tally["removed"][0]),
+             int((live["motion"] != GONE).sum()))
+        )  # fmt: skip
+
+    result = simulate(CASE, SHORT, recorder=Witness(look, 0.1))
+    assert all(placed == removed + resident for placed, removed, resident in there)
+    assert result.released == there[-1][0] and result.removed == there[-1][1] > 0
+    shares = result.face_share, result.edge_share, result.missed_share
+    assert sum(shares) == pytest.approx(1.0)
+    assert np.array_equal(result.worn, jet.worn)
+
+
+@pytest.mark.parametrize("phi", [0.0, 30.0])
+def test_mechanical_energy_is_never_gained(phi):
+    lost = []
+
+    def look(_, problem, state):
+        lost.append(energy_book(problem, state)["dissipated"])
+
+    simulate(replace(CASE, plate_angle=phi), SHORT, recorder=Witness(look, 1e-3))
+    steps = np.diff(lost)
+    assert lost[-1] > 0.0
+    assert steps.min() > -1e-4 * lost[-1]
+
+
+def test_without_friction_and_damping_nothing_is_lost():
+    scene = Scene(JET.particle, radius=0.02, interaction=Interaction(1.0, 0.0, 0.0))
+    case = scene.case(plate_angle=30.0, particle_velocity_y=-3.0)
+    result = simulate(case, scene.setup(duration=0.5, sample_interval=0.1, time_step_fraction=0.02))
+    assert result.status == "ok"
+    assert abs(result.energy["dissipated"]) < 5e-3 * result.energy["inserted"]
+    # Everything slides and friction does no work: all readings are the same distance.
+    assert result.worn[-1, 0] > 0.0
+    assert result.worn[-1, 1] == result.worn[-1, 2] == result.worn[-1, 0]
+
+
+# Facets
+
+
+def test_a_coarse_facet_is_the_sum_of_its_fine_ones(jet):
+    coarse = simulate(CASE, replace(SHORT, facet_size=0.05))
+    fine = jet.facet_wear_all.reshape(3, 6, 5, 6, 5).sum(axis=(2, 4))
+    np.testing.assert_allclose(fine, coarse.facet_wear_all, rtol=1e-12, atol=1e-15)
+    assert np.array_equal(coarse.worn, jet.worn)
+
+
+def test_the_facets_add_up_to_the_plate(jet):
+    np.testing.assert_allclose(jet.facet_wear_all.sum(axis=(1, 2)), jet.worn[-1], rtol=1e-12)
+    assert jet.facet_wear_all[0].min() >= 0.0
+
+
+def test_readings_are_ordered(jet):
+    total, sliding, friction = jet.worn[-1]
+    assert total > friction > 0.0
+    assert total > sliding > 0.0
+
+
+# Results depend on the case alone
+
+
+def test_the_same_case_gives_the_same_bits(jet):
+    again = simulate(CASE, SHORT)
+    assert np.array_equal(again.worn, jet.worn)
+    assert np.array_equal(again.facet_wear_all, jet.facet_wear_all)
+
+
+def test_another_seed_gives_another_jet(jet):
+    assert simulate(replace(CASE, seed=12), SHORT).worn[-1, 0] != jet.worn[-1, 0]
+
+
+def test_wear_does_not_depend_on_the_sample_interval(jet):
+    dt = jet.time_step
+    setup = replace(SHORT, time_step=dt)
+    long, short = (
+        simulate(CASE, replace(setup, sample_interval=steps * dt, duration=30000 * dt))
+        for steps in (3000, 500)
+    )
+    assert np.array_equal(long.worn, short.worn[::6])
+
+
+def test_advancing_in_pieces_gives_the_same_bits_as_at_once():
+    problem, schedule = make_problem(CASE, SHORT)
+    once, pieces = (make_state(problem, 256) for _ in range(2))
+    assert synchronous.advance(problem, schedule, once, 9000) == DONE
+    rng = np.random.default_rng(3)
+    step = 0
+    while step < 9000:
+        step = min(step + int(rng.integers(1, 700)), 9000)
+        assert synchronous.advance(problem, schedule, pieces, step) == DONE
+        if rng.random() < 0.2:
+            pieces = grown(pieces, pieces.particles.size + 3)
+    live = int(once.tally["live"][0])
+    assert np.array_equal(once.tally, pieces.tally)
+    assert np.array_equal(once.particles[:live], pieces.particles[:live])
+    assert np.array_equal(once.facet_wear, pieces.facet_wear)
+
+
+def test_random_places_are_a_function_of_their_keys():
+    draws = np.array([[uniform(s, p, 0) for p in range(400)] for s in (1, 2**62)])
+    again = np.array([[uniform(s, p, 0) for p in reversed(range(400))] for s in (1, 2**62)])
+    assert np.array_equal(draws, again[:, ::-1])
+    assert draws.min() >= 0.0 and draws.max() < 1.0
+    assert draws.mean() == pytest.approx(0.5, abs=0.04)
+    assert draws.var() == pytest.approx(1 / 12, rel=0.1)
+    assert abs(np.corrcoef(draws)[0, 1]) < 0.15
+    assert abs(np.corrcoef(draws[0, 1:], draws[0, :-1])[0, 1]) < 0.15
+
+
+# Guards
+
+
+def test_a_step_that_jumps_through_contacts_is_refused():
+    dt = 3.0 * rayleigh_time(JET.radius, JET.particle)
+    with pytest.raises(ValueError, match="steps per contact"):
+        simulate(CASE, replace(SHORT, time_step=dt))
+
+
+def test_too_soft_stones_end_the_case_with_its_reason():
+    jelly = Scene(particle=solid(2e5, 0.25, 2500.0), radius=0.02)
+    case = jelly.case(particle_velocity_y=-5.0, plate_angle=10.0)
+    result = simulate(case, replace(SHORT, time_step_fraction=0.02))
+    assert result.status == "overlap above 20 % of the radius"
+    assert result.max_overlap > 0.2
+
+
+def test_a_gain_of_energy_ends_the_case_with_its_reason():
+    def push(time, problem, state):
+        if time > 0.3:
+            state.particles["wz"][:] += 200.0
+
+    result = simulate(CASE, SHORT, recorder=Witness(push, 0.25))
+    assert result.status.startswith("energy gain of")
+
+
+def test_a_position_that_is_no_number_ends_the_case_with_its_reason():
+    def spoil(time, problem, state):
+        if time > 0.3:
+            state.particles["anchor_y"][:] = math.nan
+            state.particles["y"][:] = math.nan
+
+    result = simulate(CASE, SHORT, recorder=Witness(spoil, 0.25))
+    assert result.status == "a position is not a finite number"
+
+
+# The stop rule
+
+
+def test_a_case_runs_until_its_error_is_small_enough():
+    setup = JET.setup(window=2.0, max_time=20.0, target_stderr=0.05)
+    case = replace(CASE, plate_angle=60.0)
+    result = simulate(case, setup)
+    assert result.status == "ok" and result.settled
+    assert result.stderr <= 0.05
+    assert result.window[1] - result.window[0] == pytest.approx(2.0, rel=0.01)
+    assert result.simulated_time < 20.0
+    wanting = simulate(case, replace(setup, target_stderr=1e-6, max_time=4.0))
+    assert wanting.simulated_time == pytest.approx(4.0, rel=0.01) and wanting.stderr > 1e-6
