@@ -14,7 +14,7 @@ FILES := config.yaml $(filter-out config.yaml,$(STUDY))
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup run test lint clean
+.PHONY: help setup run verify test lint clean
 
 help: ## this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -32,6 +32,9 @@ run: $(STAMP) ## a study and its report: make run, make run STUDY=studies/smoke.
 	$(BIN)/snakemake --configfile $(FILES) $(ARGS) && \
 	$(BIN)/snakemake --configfile $(FILES) --report $$folder/report.html --quiet && \
 	echo $$folder/report.html
+
+verify: $(STAMP) ## the engine against what is known: results/verification/results.md
+	@$(BIN)/snakemake verification $(ARGS) && echo results/verification/results.md
 
 test: $(STAMP) ## all tests
 	$(BIN)/python -m pytest

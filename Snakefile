@@ -3,6 +3,7 @@
 snakemake                                               the study of config.yaml
 snakemake --configfile config.yaml studies/smoke.yaml   another study, an overlay on it
 snakemake dataset                                       up to one stage
+snakemake verification                                  the engine against what is known
 """
 
 import sys
@@ -27,6 +28,7 @@ include: "workflow/rules/dataset.smk"
 include: "workflow/rules/learning.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/verification.smk"
 
 
 localrules:
@@ -37,6 +39,7 @@ localrules:
     figures,
     exports,
     documents,
+    verification,
 
 
 # The overview of all stages; `snakemake --list` names the others.

@@ -272,8 +272,8 @@ MALFORMED = {
         'config.yaml: simulation.pair_interaction: "same": must be a section of keys (allowed restitution, static_friction, rolling_friction)',
     ),
     "unknown_target": (
-        "study: a\nlearning:\n  linear:\n    target: wear_mean\n",
-        'config.yaml: learning.linear.target: "wear_mean": is unknown (allowed wear_total_mean, wear_total_footprint, wear_total_p99, wear_total_max, wear_sliding_mean, wear_sliding_footprint, wear_sliding_p99, wear_sliding_max, wear_friction_mean, wear_friction_footprint, wear_friction_p99, wear_friction_max)',
+        "study: a\nlearning:\n  target: wear_mean\n",
+        'config.yaml: learning.target: "wear_mean": is unknown (allowed wear_total_mean, wear_total_footprint, wear_total_p99, wear_total_max, wear_sliding_mean, wear_sliding_footprint, wear_sliding_p99, wear_sliding_max, wear_friction_mean, wear_friction_footprint, wear_friction_p99, wear_friction_max)',
     ),
     "case_that_does_not_exist": (
         "study: a\nfigures:\n  series_cases: [0, 500]\n",

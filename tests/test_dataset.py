@@ -93,12 +93,12 @@ def test_all_columns_of_the_dataset_have_units_and_each_feature_its_own():
 
 
 def test_a_column_without_a_unit_is_refused_unless_it_is_given(tmp_path):
-    frame = pd.DataFrame({"case_id": [1], "weight": [2.0]})
-    with pytest.raises(ds.TableError, match="no unit is known for column weight"):
+    frame = pd.DataFrame({"case_id": [1], "colour": [2.0]})
+    with pytest.raises(ds.TableError, match="no unit is known for column colour"):
         ds.write_table(frame, tmp_path / "t.parquet")
     assert list(tmp_path.iterdir()) == []
-    ds.write_table(frame, tmp_path / "t.parquet", {"weight": ds.Column("N", "weight")})
-    assert ds.read_units(tmp_path / "t.parquet")["weight"] == "N"
+    ds.write_table(frame, tmp_path / "t.parquet", {"colour": ds.Column("N", "colour")})
+    assert ds.read_units(tmp_path / "t.parquet")["colour"] == "N"
 
 
 @pytest.mark.parametrize(

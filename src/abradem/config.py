@@ -342,8 +342,10 @@ class Simulation(_Section):
         "1 gives each case its own job.",
         allowed="auto or 1 ... 100000",
     )
-    stepping: Literal["synchronous"] = _key(
-        "synchronous", "How time advances: every live particle in every step."
+    stepping: Literal["islands", "synchronous"] = _key(
+        "islands",
+        "How time advances: islands skips the time in which nothing touches, synchronous steps "
+        "every particle in every step. Both give the same results, bit for bit.",
     )
     time_step_rayleigh_fraction: float = _key(
         0.2,
@@ -401,21 +403,143 @@ class Features(_Section):
 _TARGETS = tuple(f"wear_{reading}_{statistic}" for reading in READINGS for statistic in STATISTICS)
 
 
-class Linear(_Section):
-    """The linear regression."""
+class Penalised(_Section):
+    """Lasso and ridge. As published the penalties are given, honest they are cross-validated."""
 
-    target: Literal[_TARGETS] = _key("wear_total_mean", "Column of the data set to be explained.")
-    test_share: float = _key(0.2, "Share of the cases held out to test each fit.", ge=0.05, le=0.9)
-    repeats: int = _key(
-        20, "Random splits into training and test over which scores are averaged.", ge=1, le=10_000
+    lasso_alpha: float = _key(0.1, "Penalty of the lasso as published.", gt=0.0, le=1e6)
+    ridge_alpha: float = _key(1.0, "Penalty of the ridge as published.", gt=0.0, le=1e6)
+    path_points: int = _key(40, "Penalties tried along each path.", ge=5, le=1000)
+
+
+class Selection(_Section):
+    """The features that the networks get."""
+
+    features: int = _key(12, "How many are chosen.", ge=2, le=20)
+
+
+class Trees(_Section):
+    """Decision tree and random forest."""
+
+    max_depth: int = _key(49, "Deepest tree of the curve of depths.", ge=1, le=100)
+    forest_trees: int = _key(100, "Trees of the forest.", ge=1, le=10_000)
+
+
+class GaAnn(_Section):
+    """Networks whose architecture a genetic search finds."""
+
+    population: int = _key(10, "Networks in a generation.", ge=2, le=1000)
+    generations: int = _key(25, "Generations of a search.", ge=1, le=10_000)
+    min_layers: int = _key(2, "Fewest hidden layers.", ge=1, le=20)
+    max_layers: int = _key(6, "Most hidden layers.", ge=1, le=20)
+    min_neurons: int = _key(10, "Fewest neurons of a layer.", ge=1, le=10_000)
+    max_neurons: int = _key(500, "Most neurons of a layer.", ge=1, le=10_000)
+    selection: Literal["tournament", "roulette"] = _key(
+        "tournament",
+        "How parents are chosen: the best of a few drawn, or by chance in proportion to fitness.",
     )
-    confidence: float = _key(0.95, "Level of the coefficients' intervals.", ge=0.5, le=0.9999)
+    tournament_size: int = _key(3, "Drawn for a tournament.", ge=1, le=1000)
+    crossover: float = _key(0.9, "Chance that two parents exchange layers.", ge=0.0, le=1.0)
+    mutation: float = _key(
+        0.2, "Chance that one layer of a child changes, and its start weights.", ge=0.0, le=1.0
+    )
+    mutation_size: float = _key(
+        0.2, "Largest relative change of the neurons of that layer.", gt=0.0, le=1.0
+    )
+    elites: int = _key(1, "The best that pass unchanged.", ge=0, le=999)
+    weights: Literal["seed", "inherited"] = _key(
+        "seed",
+        "Start weights of a child: from a seed, or those its first parent was left with, as far "
+        "as the layers overlap.",
+    )
+    epochs: int = _key(20, "Passes over the rows in the search.", ge=1, le=100_000)
+    batch: int = _key(32, "Rows in a mini-batch of the search.", ge=1, le=1_000_000)
+    final_epochs: int = _key(60, "Passes over the rows for the found net.", ge=1, le=100_000)
+    final_batch: int = _key(50, "Rows in a mini-batch for the found net.", ge=1, le=1_000_000)
+    learning_rate: float = _key(0.001, "Step of the optimiser (Adam).", gt=0.0, le=1.0)
+    validation_share: float = _key(
+        0.25, "Share of the training rows that give the fitness (honest).", ge=0.05, le=0.9
+    )
+    retrainings: int = _key(
+        10, "Trainings of the found net from different start weights.", ge=1, le=1000
+    )
+    searches: int = _key(
+        1,
+        "Honest searches, each inside the training rows of another split. 1 is one fixed split; "
+        "more nest the whole search and take that many times as long.",
+        ge=1,
+        le=1000,
+    )
+    device: Literal["cpu", "cuda"] = _key(
+        "cpu", "Where networks are trained: one per core, or in batches on a graphics card."
+    )
 
 
 class Learning(_Section):
-    """Models of the data set."""
+    """Models of the data set, each as published and honest (docs/learning.md)."""
 
-    linear: Linear = Field(default_factory=Linear, description="The linear regression.")
+    target: Literal[_TARGETS] = _key("wear_total_mean", "Column of the data set to be explained.")
+    test_share: float = _key(
+        0.2, "Share of the cases held out to test each fit (honest).", ge=0.05, le=0.9
+    )
+    repeats: int = _key(
+        20, "Random splits into training and test that each model is scored on.", ge=1, le=10_000
+    )
+    folds: int = _key(5, "Folds of the cross-validations inside the training rows.", ge=2, le=1000)
+    confidence: float = _key(0.95, "Level of all intervals.", ge=0.5, le=0.9999)
+    bootstrap: int = _key(
+        2000, "Draws of the test rows behind the interval of a single split.", ge=100, le=1_000_000
+    )
+    penalised: Penalised = Field(default_factory=Penalised, description="Lasso and ridge.")
+    selection: Selection = Field(
+        default_factory=Selection, description="The features that the networks get."
+    )
+    trees: Trees = Field(default_factory=Trees, description="Decision tree and random forest.")
+    ga_ann: GaAnn = Field(
+        default_factory=GaAnn,
+        description="Networks whose architecture a genetic search finds.",
+    )
+
+
+def _check_columns(value: Any) -> dict[str, str | list[str]]:
+    if not isinstance(value, Mapping):
+        raise ValueError("must be a section of our names and the table's")
+    for name, column in value.items():
+        parts = column if isinstance(column, (list, tuple)) else [column]
+        if not all(isinstance(part, str) and part for part in parts) or len(parts) not in (1, 2):
+            raise ValueError(f"{name}: must be a column's name, or [name, unit]")
+    return {str(name): column for name, column in value.items()}
+
+
+class Dataset(_Section):
+    """A table of yours in the place of the simulations."""
+
+    external: str | None = _key(
+        None,
+        "CSV or Parquet file; learning, figures and report then run on it and nothing is "
+        "simulated. null simulates.",
+        min_length=1,
+        allowed="the path of a file or null",
+    )
+    columns: Annotated[
+        Any,
+        PlainValidator(_check_columns),
+        WithJsonSchema(
+            {
+                "type": "object",
+                "additionalProperties": {
+                    "anyOf": [
+                        {"type": "string"},
+                        {"type": "array", "items": {"type": "string"}, "maxItems": 2},
+                    ]
+                },
+            }
+        ),
+    ] = _key(
+        {},
+        "Our names of quantities to the table's columns, where they differ; [column, unit] where "
+        "the unit does too. Names and units of the paper's published table are known.",
+        allowed="{name: column} or {name: [column, unit]}",
+    )
 
 
 class Figures(_Section):
@@ -451,6 +575,9 @@ class Config(_Section):
     )
     wear_rate: WearRate = Field(
         default_factory=WearRate, description="From the worn volume to a rate and its quality."
+    )
+    dataset: Dataset = Field(
+        default_factory=Dataset, description="A table of yours in the place of the simulations."
     )
     features: Features = Field(default_factory=Features, description="The derived quantities.")
     learning: Learning = Field(default_factory=Learning, description="Models of the data set.")
@@ -893,6 +1020,8 @@ def _conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             f"{plate.length_mm:g} x {plate.width_mm:g} mm)",
         )
 
+    yield from _learning_conflicts(config)
+
     stop = simulation.stop
     if stop.max_time_s <= stop.window_s:
         yield (
@@ -932,6 +1061,25 @@ def _conflicts(config: Config) -> Iterator[tuple[Key, str]]:
 
 MOST_FACETS = 1_000_000
 """More facets than this would fill tables, not resolve wear."""
+
+
+def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    network = config.learning.ga_ann
+    for low, high in (("min_layers", "max_layers"), ("min_neurons", "max_neurons")):
+        most = getattr(network, high)
+        if getattr(network, low) > most:
+            yield ("learning", "ga_ann", low), f"must not exceed {high} (allowed up to {most})"
+    for name, most in (
+        ("elites", network.population - 1),
+        ("tournament_size", network.population),
+    ):
+        if getattr(network, name) > most:
+            yield (
+                ("learning", "ga_ann", name),
+                f"is too many for a population of {network.population} (allowed up to {most})",
+            )
+    if config.dataset.columns and config.dataset.external is None:
+        yield ("dataset", "columns"), "needs the table it is about, dataset.external"
 
 
 def _feed_conflicts(factory: Factory) -> Iterator[tuple[Key, str]]:
@@ -1018,8 +1166,8 @@ needed for a rate with that standard error."""
 SECONDS_PER_JOB = 6.0
 """Start of a job: interpreter, imports, loading of compiled code."""
 
-SECONDS_PER_STUDY = 30.0
-"""What does not grow with the cases: the joins, the model, figures and report."""
+SECONDS_PER_STUDY = 90.0
+"""What does not grow with the cases: the joins, the models, figures and report."""
 
 _RADII = 32
 
@@ -1061,6 +1209,8 @@ def estimate(config: Config, cores: int | None = None) -> str:
     """
     from abradem.shards import shards_of_block
 
+    if config.dataset.external is not None:
+        return f"{config.study}: learning from {config.dataset.external}, nothing is simulated"
     cores = cores or os.cpu_count() or 1
     sampling = config.sampling
     shards = shards_of_block(sampling.cases_per_block, config.simulation.cases_per_job)

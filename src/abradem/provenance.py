@@ -40,6 +40,11 @@ the label of a quantity, does not repeat the simulations."""
 _JOIN = ("abradem.dataset", "abradem.features", "abradem.parameters")
 _RATES = ("abradem.wear_rate", "abradem.dem")
 _FIGURE = ("abradem.figures.style", "abradem.parameters")
+_CHECKS = ("abradem.dem", "abradem.verification.scenes", "abradem.verification.table")
+_LAWS = (
+    *_CHECKS, "abradem.verification.closed_forms", "abradem.verification.experiments",
+    "abradem.verification.laws",
+)  # fmt: skip
 
 STEPS: dict[str, tuple[str, ...]] = {
     "sample": ("abradem.sampling", "abradem.parameters", "abradem.shards", "abradem.dem"),
@@ -61,6 +66,34 @@ STEPS: dict[str, tuple[str, ...]] = {
     "table": (),
     "summary": (*_RATES, "abradem.summary", "abradem.parameters"),
     "provenance": (),
+    "verification_laws": (*_LAWS,),
+    "verification_chung_ooi": (*_LAWS, "abradem.verification.chung_ooi"),
+    "verification_codes": (
+        *_CHECKS, "abradem.verification.closed_forms", "abradem.verification.codes",
+        "abradem.verification.experiments",
+    ),
+    "verification_time_step": (
+        *_LAWS, "abradem.verification.jets", "abradem.verification.time_step",
+    ),
+    "verification_statistics": (
+        *_CHECKS, "abradem.verification.jets", "abradem.verification.statistics",
+        "abradem.wear_rate",
+    ),
+    "verification_steady_state": (
+        *_CHECKS, "abradem.verification.jets", "abradem.verification.steady_state_study",
+        "abradem.wear_rate",
+    ),
+    "verification_conveyor": (
+        *_CHECKS, "abradem.verification.conveyor", "abradem.verification.jets",
+    ),
+    "verification_trends": (
+        *_CHECKS, "abradem.verification.jets", "abradem.verification.trends",
+    ),
+    "verification_facets_and_bed": (
+        *_CHECKS, "abradem.verification.facets_and_bed", "abradem.verification.jets",
+    ),
+    "verification_page": ("abradem.verification.page", "abradem.verification.table"),
+    "verification_figure": (*_FIGURE, "abradem.figures.verification"),
 }  # fmt: skip
 """Modules (a package means all below it) that the script ``workflow/scripts/<step>.py`` uses."""
 

@@ -33,6 +33,11 @@ def with_target(table, noise=0.0, seed=1):
     )
 
 
+def honest(result):
+    """Held-out predictions of the honest protocol."""
+    return result.predictions.query("protocol == 'honest'")
+
+
 PLANTED = {"archard_constant": 0.5, "plate_angle": 0.3, "particle_velocity_y": -0.6}
 
 
@@ -45,7 +50,9 @@ def test_planted_coefficients_are_recovered_without_noise():
         assert rows.loc[name, "coefficient"] == pytest.approx(
             PLANTED.get(name, 0.0) / scale, abs=1e-9
         )
-    test = result.scores.query("split == 'test' and metric == 'R2'")["value"]
+    test = result.scores.query("split == 'test' and metric == 'R2' and protocol == 'honest'")[
+        "value"
+    ]
     assert len(test) == 5 and (test > 1.0 - 1e-9).all()
 
 
@@ -126,11 +133,11 @@ def test_a_fixed_quantity_has_no_effect_and_no_interval_and_spares_the_others():
 
 def test_held_out_rows_do_not_touch_the_fit_that_predicts_them():
     table = with_target(sampled(60), 0.3)
-    first = linear.fit_linear(table, repeats=4).predictions
+    first = honest(linear.fit_linear(table, repeats=4))
     held = set(first.loc[first["repeat"] == 0, "case_id"])
     changed = table.copy()
     changed.loc[changed["case_id"].isin(held), TARGET.name] += 50.0
-    second = linear.fit_linear(changed, repeats=4).predictions
+    second = honest(linear.fit_linear(changed, repeats=4))
     np.testing.assert_array_equal(
         first.loc[first["repeat"] == 0, "predicted"], second.loc[second["repeat"] == 0, "predicted"]
     )
@@ -160,14 +167,17 @@ def test_the_equation_names_all_symbols_with_their_signs():
 def test_artefacts_are_plain_complete_and_the_same_every_time(tmp_path):
     for folder in ("a", "b"):
         result = linear.fit_linear(with_target(sampled(12), 0.2), repeats=3)
-        names = ("linear.json", "coefficients.parquet", "scores.parquet", "predictions.parquet")
+        names = (
+            "linear.json", "linear.safetensors", "coefficients.parquet", "residuals.parquet",
+            "published.parquet", "scores.parquet", "predictions.parquet",
+        )  # fmt: skip
         linear.write_linear(result, *(tmp_path / folder / name for name in names))
     for name in names:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     model = read_json(tmp_path / "a" / "linear.json")
     assert json.dumps(model)
     assert [feature["symbol"] for feature in model["features"]] == [f"X{i}" for i in range(1, 21)]
-    assert model["target"] == {"name": "wear_total_mean", "unit": "mm/s"}
+    assert model["target"]["name"] == "wear_total_mean" and model["target"]["unit"] == "mm/s"
     assert list(read_table(tmp_path / "a" / "scores.parquet")) == SCORE_COLUMNS
     assert read_units(tmp_path / "a" / "predictions.parquet")["predicted"] == "mm/s"
 
@@ -182,7 +192,7 @@ def test_the_stored_model_predicts_as_the_fit_does():
     )
     fit = linear.least_squares(x, table[TARGET.name].to_numpy())
     np.testing.assert_allclose(
-        model["target_mean"] + model["target_scale"] * z, linear.predict(fit, x), rtol=1e-10
+        model["target"]["mean"] + model["target"]["scale"] * z, linear.predict(fit, x), rtol=1e-10
     )
 
 

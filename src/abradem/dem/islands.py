@@ -15,6 +15,9 @@ All bounds are lower bounds of the lattice step at which a contact can open:
   and is verified for every awake particle in every step; where it is broken, it is raised and
   all rows are made anew before the step's contacts are looked for.
 
+Where so much touches that hardly anyone sleeps, bounds are a burden, and `synchronous` itself
+takes over until the crowd has thinned out.
+
 A bound that was too early costs a little time, never a contact, and whether two particles touch
 is decided by the same expression as in `synchronous`. Both give the same bits.
 """
@@ -22,140 +25,70 @@ is decided by the same expression as in `synchronous`. Both give the same bits.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from abradem.dem.borrow import borrowed, borrowed_state
+from abradem.dem import synchronous
+from abradem.dem.agenda import FAR, NEVER, SLOTS, borrowed_agenda, record_flight
+from abradem.dem.borrow import borrowed_state
+from abradem.dem.bounds import (
+    SAFETY,
+    centre_distance2,
+    due_step,
+    first_time_within,
+    miss_distances,
+    steps_to_close,
+    time_to_meet,
+    time_to_plate,
+)
 from abradem.dem.cache import kernel
 from abradem.dem.factory import release_due
-from abradem.dem.motion import finish, move, remove_if_fallen, touch_pair, touch_plate
+from abradem.dem.motion import finish, fly_to, move, remove_if_fallen, touch_pair, touch_plate
 from abradem.dem.neighbours import compact
 from abradem.dem.plate import height_over
+from abradem.dem.rows import make_row, raise_limit
 from abradem.dem.state import (
     DONE,
     FLYING,
     GONE,
-    NEEDS_ROOM,
     OVERLAP_STOP,
-    PAIR,
+    SKIN,
     STOP_CROWDED,
     STOP_OVERLAP,
     TOUCHING,
     WAKING,
-    Problem,
-    State,
     flight,
 )
-
-SLOTS = 32
-"""Room for near partners in a row: within three radii hardly more than 17 spheres fit."""
-
-REACH = 1.0
-"""How far beyond contact a row looks when it is made, in radii."""
 
 NAP = 4
 """A particle that would sleep no longer than this many steps stays awake."""
 
-SAFETY = 1e-7
-"""Share by which radii are enlarged in predictions, far above rounding."""
+NAP_PER_PARTICLE = 0.15
+"""And for each particle present so many more: to sleep, all others must be looked at, which
+costs as much as this many steps awake."""
 
-NEVER = 2**62
-FAR = 1e9
+SMALLEST_CROWD = 256
+CROWDED, THINNED = 0.18, 0.10
+"""Shares of so many particles awake, or touching, from which on `synchronous` takes over and
+hands back."""
 
-NEAR = np.dtype([("next_check", np.int64), *PAIR.descr])
-CLOCK = np.dtype([("awake", np.int64), ("next_due", np.int64), ("limit", np.float64)])
-
-
-class Agenda(NamedTuple):
-    """What is awake, and until when the others sleep.
-
-    Attributes
-    ----------
-    clock : ndarray of CLOCK, shape (1,)
-        Number awake, earliest step any sleeper is due, speed limit (m/s).
-    awake : ndarray, shape (capacity,)
-        Indices of the awake, ascending.
-    asleep : ndarray of bool, shape (capacity,)
-    due : ndarray, shape (capacity,)
-        A sleeper touches nothing before this step.
-    flights : ndarray, shape (7, capacity)
-        Anchors of all flying particles, x y z vx vy vz step, for quick passes over all; x is
-        `FAR` for the others.
-    scratch : ndarray, shape (capacity,)
-    row_size, row_next, row_until : ndarray, shape (capacity,)
-        Partners in the row of an awake particle, the first step at which one of them can be
-        touched, the last step for which the row is complete.
-    rows : ndarray of NEAR, shape (capacity, SLOTS)
-        Partners in ascending order; the contact's memory lies with the lower index.
-    """
-
-    clock: np.ndarray
-    awake: np.ndarray
-    asleep: np.ndarray
-    due: np.ndarray
-    flights: np.ndarray
-    scratch: np.ndarray
-    row_size: np.ndarray
-    row_next: np.ndarray
-    row_until: np.ndarray
-    rows: np.ndarray
-
-
-def make_agenda(problem: Problem, capacity: int) -> Agenda:
-    """Return an empty agenda with room for ``capacity`` particles."""
-    agenda = Agenda(
-        clock=np.zeros(1, CLOCK),
-        awake=np.zeros(capacity, np.int64),
-        asleep=np.zeros(capacity, np.bool_),
-        due=np.full(capacity, NEVER),
-        flights=np.full((7, capacity), FAR),
-        scratch=np.zeros(capacity),
-        row_size=np.zeros(capacity, np.int64),
-        row_next=np.zeros(capacity, np.int64),
-        row_until=np.zeros(capacity, np.int64),
-        rows=np.zeros((capacity, SLOTS), NEAR),
-    )
-    agenda.clock["next_due"] = NEVER
-    # Any positive limit is right; it rises to what is met.
-    agenda.clock["limit"] = problem.radius / problem.dt * 1e-3
-    return agenda
-
-
-def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
-    """Return the agenda with room for ``capacity`` particles."""
-    larger = make_agenda(problem, capacity)
-    size = agenda.awake.size
-    larger.clock[:] = agenda.clock
-    larger.flights[:, :size] = agenda.flights
-    for name in ("awake", "asleep", "due", "row_size", "row_next", "row_until", "rows"):
-        getattr(larger, name)[:size] = getattr(agenda, name)
-    return larger
-
-
-@kernel(inline=True)
-def _borrowed_agenda(agenda):
-    return Agenda(
-        borrowed(agenda.clock),
-        borrowed(agenda.awake),
-        borrowed(agenda.asleep),
-        borrowed(agenda.due),
-        borrowed(agenda.flights),
-        borrowed(agenda.scratch),
-        borrowed(agenda.row_size),
-        borrowed(agenda.row_next),
-        borrowed(agenda.row_until),
-        borrowed(agenda.rows),
-    )
+CROWD_STEPS = 5000
+"""How long it takes over at least."""
 
 
 @kernel
 def advance(problem, schedule, state, agenda, last_step):
     """Advance to lattice step ``last_step``; return how that ended, at a whole step."""
-    state, agenda = borrowed_state(state), _borrowed_agenda(agenda)
+    state, agenda = borrowed_state(state), borrowed_agenda(agenda)
     tally, clock = state.tally[0], agenda.clock[0]
     outcome = DONE
     while tally.step < last_step and outcome == DONE:
+        if clock.crowded != 0:
+            until = min(last_step, tally.step + CROWD_STEPS)
+            outcome = synchronous.advance(problem, schedule, state, until)
+            if outcome == DONE and not _hand_back(problem, state, agenda):
+                outcome = STOP_CROWDED
+            continue
         if tally.gone > 16 + tally.live // 8:
             _compact(state, agenda)
         if tally.step >= tally.next_release:
@@ -174,7 +107,13 @@ def advance(problem, schedule, state, agenda, last_step):
             tally.step = min(clock.next_due - 1, tally.next_release, last_step)
             continue
         outcome = _step(problem, state, agenda)
-    _publish(problem, state, agenda)
+        if clock.awake > NAP + CROWDED * tally.live and tally.live > SMALLEST_CROWD:
+            _publish(problem, state, agenda)
+            # Makes the pair list of `synchronous` anew in its first step.
+            tally.drift = SKIN * problem.radius
+            clock.crowded = 1
+    if clock.crowded == 0:
+        _publish(problem, state, agenda)
     return outcome
 
 
@@ -185,7 +124,7 @@ def _step(problem, state, agenda):
     awake, rows, facet_wear = agenda.awake, agenda.rows, state.facet_wear
     now = tally.step + 1
     for k in range(clock.awake):
-        if agenda.row_until[awake[k]] < now and not _make_row(
+        if agenda.row_until[awake[k]] < now and not make_row(
             problem, state, agenda, awake[k], tally.step
         ):
             return STOP_CROWDED
@@ -197,7 +136,7 @@ def _step(problem, state, agenda):
         height = height_over(problem.plate, particle.x, particle.y)
         if abs(height) < problem.radius or particle.plate_stiffness != 0.0:
             touch_plate(problem, particle, tally, facet_wear)
-    if farthest2 > (clock.limit * problem.dt) ** 2 and not _raise_limit(
+    if farthest2 > (clock.limit * problem.dt) ** 2 and not raise_limit(
         problem, state, agenda, math.sqrt(farthest2) / problem.dt, now
     ):
         return STOP_CROWDED
@@ -216,7 +155,7 @@ def _step(problem, state, agenda):
                 continue
             other = particles[near.j]
             move(problem, other, tally.step)
-            if _distance2(particles[i], other) < contact2:
+            if centre_distance2(particles[i], other) < contact2:
                 if not _wake(problem, state, agenda, near.j, now):
                     return STOP_CROWDED
                 if near.j < i:
@@ -245,7 +184,7 @@ def _step(problem, state, agenda):
             agenda.flights[0, i] = FAR
         elif landed or agenda.due[i] <= now:
             if landed:
-                _record_flight(agenda, particle, i)
+                record_flight(agenda, particle, i)
             if _may_sleep(problem, state, agenda, i, now):
                 agenda.asleep[i] = True
                 kept -= 1
@@ -253,22 +192,9 @@ def _step(problem, state, agenda):
     if tally.largest_overlap > OVERLAP_STOP:
         return STOP_OVERLAP
     # A flight faster than the limit, found just above, may be met from the next step on.
-    if clock.limit < 0.0 and not _raise_limit(problem, state, agenda, -clock.limit, now):
+    if clock.limit < 0.0 and not raise_limit(problem, state, agenda, -clock.limit, now):
         return STOP_CROWDED
     return DONE
-
-
-@kernel(inline=True)
-def _distance2(a, b):
-    dx, dy, dz = a.x - b.x, a.y - b.y, a.z - b.z
-    return dx * dx + dy * dy + dz * dz
-
-
-@kernel(inline=True)
-def _steps_to_close(problem, limit, distance2):
-    """Steps in which two particles cannot close their gap, both at the speed limit."""
-    gap = math.sqrt(distance2) - 2.0 * problem.radius * (1.0 + SAFETY)
-    return np.int64(math.floor(gap / (2.0 * limit * problem.dt)))
 
 
 @kernel(inline=True)
@@ -297,76 +223,10 @@ def _touch_partners(problem, state, agenda, i, now):
                 near.next_check = now + 1
             else:
                 near.stiffness = 0.0
-                steps = _steps_to_close(problem, limit, distance2)
+                steps = steps_to_close(problem, limit, distance2)
                 near.next_check = now + 1 + max(steps, 0)
         first = min(first, near.next_check)
     agenda.row_next[i] = first
-
-
-@kernel(inline=True)
-def _record_flight(agenda, particle, i):
-    agenda.flights[0, i] = particle.anchor_x
-    agenda.flights[1, i] = particle.anchor_y
-    agenda.flights[2, i] = particle.anchor_z
-    agenda.flights[3, i] = particle.vx
-    agenda.flights[4, i] = particle.vy
-    agenda.flights[5, i] = particle.vz
-    agenda.flights[6, i] = particle.anchor_step
-
-
-@kernel(inline=True)
-def first_time_within(x, v, a, half, start):
-    """First time t >= start at which abs(x + v t + a t^2/2) <= half, or infinity."""
-    here = x + start * (v + 0.5 * a * start)
-    speed = v + a * start
-    if here < 0.0:
-        here, speed, a = -here, -speed, -a
-    gap = here - half
-    if gap <= 0.0:
-        return start
-    discriminant = speed * speed - 2.0 * a * gap
-    if discriminant < 0.0:
-        return np.inf
-    down = math.sqrt(discriminant) - speed
-    if down <= 0.0:
-        return np.inf
-    return start + 2.0 * gap / down
-
-
-@kernel
-def time_to_plate(problem, x, y, z, vx, vy, vz):
-    """Lower bound of the time until a flying particle can touch the plate, s.
-
-    The first time at which the centre lies in the box around the plate that reaches one radius
-    beyond it on all sides: the first times along the three axes are iterated until they agree.
-    """
-    plate = problem.plate
-    grown = problem.radius * (1.0 + SAFETY)
-    along, height = plate.cos * x + plate.sin * y, -plate.sin * x + plate.cos * y
-    v_along, v_height = plate.cos * vx + plate.sin * vy, -plate.sin * vx + plate.cos * vy
-    a_along, a_height = -problem.gravity * plate.sin, -problem.gravity * plate.cos
-    time = 0.0
-    for _ in range(8):
-        before = time
-        time = first_time_within(height, v_height, a_height, grown, time)
-        if time == np.inf:
-            return time
-        time = first_time_within(along, v_along, a_along, plate.half_length + grown, time)
-        if time == np.inf:
-            return time
-        time = first_time_within(z, vz, 0.0, plate.half_width + grown, time)
-        if time == np.inf or time == before:
-            return time
-    return time
-
-
-@kernel(inline=True)
-def _due_step(problem, now, time):
-    """Lattice step before which nothing happens, for something ``time`` ahead; rounding safe."""
-    steps = time / problem.dt
-    if steps > 1e15:
-        return NEVER
-    return now + np.int64(steps)
 
 
 @kernel
@@ -390,146 +250,27 @@ def _may_sleep(problem, state, agenda, i, now):
 
     until = first_time_within(drop, vy, -problem.gravity, 0.0, 0.0)
     until = min(until, time_to_plate(problem, x, y, z, vx, vy, vz))
-    mine = _due_step(problem, now, until)
+    mine = due_step(problem, now, until)
     due[i] = mine
-    if mine <= now + NAP:
+    nap = NAP + np.int64(NAP_PER_PARTICLE * state.tally[0].live)
+    if mine <= now + nap:
         return False
 
-    _miss_distances(problem, flights, agenda.scratch, state.tally[0].live, now, x, y, z, vx, vy, vz)
+    miss_distances(problem, flights, agenda.scratch, state.tally[0].live, now, x, y, z, vx, vy, vz)
     reach2 = (2.0 * problem.radius * (1.0 + SAFETY)) ** 2
     for j in range(state.tally[0].live):
         if agenda.scratch[j] >= reach2 or j == i or flights[0, j] == FAR:
             continue
-        meet = _due_step(problem, now, _time_to_meet(problem, flights, j, now, x, y, z, vx, vy, vz))
+        meet = due_step(problem, now, time_to_meet(problem, flights, j, now, x, y, z, vx, vy, vz))
         mine = min(mine, meet)
         if meet < due[j]:
             due[j] = meet
             if agenda.asleep[j]:
                 clock.next_due = min(clock.next_due, meet)
     due[i] = mine
-    if mine <= now + NAP:
+    if mine <= now + nap:
         return False
     clock.next_due = min(clock.next_due, mine)
-    return True
-
-
-@kernel(inline=True)
-def _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz):
-    """Place and velocity of a flying particle against flying particle j at step ``now``."""
-    time = problem.dt * (now - flights[6, j])
-    fall = problem.gravity * time
-    return (
-        x - (flights[0, j] + flights[3, j] * time),
-        y - (flights[1, j] + (flights[4, j] - 0.5 * fall) * time),
-        z - (flights[2, j] + flights[5, j] * time),
-        vx - flights[3, j],
-        vy - (flights[4, j] - fall),
-        vz - flights[5, j],
-    )
-
-
-@kernel(inline=True)
-def _miss_distances(problem, flights, out, live, now, x, y, z, vx, vy, vz):
-    """Square of the least distance that a flying particle will have to each other, m2.
-
-    Both fall alike, so the relative motion is a straight line. A plain loop without branches:
-    the compiler makes vector code of it.
-    """
-    for j in range(live):
-        px, py, pz, ux, uy, uz = _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz)
-        nearing = max(-(px * ux + py * uy + pz * uz), 0.0)
-        speed2 = ux * ux + uy * uy + uz * uz + 1e-300
-        away = FAR if nearing == 0.0 else 0.0
-        out[j] = away + (px * px + py * py + pz * pz) - nearing * nearing / speed2
-
-
-@kernel(inline=True)
-def _time_to_meet(problem, flights, j, now, x, y, z, vx, vy, vz):
-    """Time until a flying particle is within reach of flying particle j, s, or infinity."""
-    px, py, pz, ux, uy, uz = _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz)
-    reach = 2.0 * problem.radius * (1.0 + SAFETY)
-    gap2 = max(px * px + py * py + pz * pz - reach * reach, 0.0)
-    nearing = -(px * ux + py * uy + pz * uz)
-    discriminant = max(nearing * nearing - (ux * ux + uy * uy + uz * uz) * gap2, 0.0)
-    if nearing <= 0.0:
-        return np.inf
-    return gap2 / (nearing + math.sqrt(discriminant))
-
-
-@kernel(inline=True)
-def _distances(problem, flights, out, live, now, x, y, z):
-    """Square of the distance of a place to every flying particle at step ``now``, m2."""
-    for j in range(live):
-        time = problem.dt * (now - flights[6, j])
-        dx = x - (flights[0, j] + flights[3, j] * time)
-        dy = y - (flights[1, j] + (flights[4, j] - 0.5 * problem.gravity * time) * time)
-        dz = z - (flights[2, j] + flights[5, j] * time)
-        out[j] = dx * dx + dy * dy + dz * dz
-
-
-@kernel
-def _make_row(problem, state, agenda, i, now):
-    """Make the row of particle i from all positions at step ``now``; False if it is too full."""
-    particles, flights, clock = state.particles, agenda.flights, agenda.clock[0]
-    rows = agenda.rows
-    # Memory of open contacts outlives the row.
-    kept = 0
-    for m in range(agenda.row_size[i]):
-        if rows[i, m].stiffness != 0.0:
-            rows[i, kept] = rows[i, m]
-            kept += 1
-    memory = rows[i, :kept].copy()
-
-    a = particles[i]
-    live = state.tally[0].live
-    distance2 = agenda.scratch
-    _distances(problem, flights, distance2, live, now, a.x, a.y, a.z)
-    for k in range(clock.awake):
-        # What is awake stands where it is, in contact or not.
-        distance2[agenda.awake[k]] = _distance2(a, particles[agenda.awake[k]])
-    steps = max(np.int64(REACH * problem.radius / (2.0 * clock.limit * problem.dt)), 1)
-    while True:
-        reach = 2.0 * problem.radius * (1.0 + SAFETY) + 2.0 * clock.limit * problem.dt * steps
-        size = 0
-        first = NEVER
-        for j in range(live):
-            if distance2[j] >= reach * reach or j == i or particles[j].motion == GONE:
-                continue
-            if size == SLOTS:
-                size += 1
-                break
-            near = rows[i, size]
-            near.j = j
-            near.stiffness = 0.0
-            near.next_check = now + 1 + _steps_to_close(problem, clock.limit, distance2[j])
-            first = min(first, near.next_check)
-            size += 1
-        if size <= SLOTS:
-            break
-        if steps == 1:
-            return False
-        steps //= 2
-    m = 0
-    for c in range(kept):
-        while rows[i, m].j != memory[c].j:
-            m += 1
-        check = rows[i, m].next_check
-        rows[i, m] = memory[c]
-        rows[i, m].next_check = check
-    agenda.row_size[i] = size
-    agenda.row_next[i] = first
-    agenda.row_until[i] = now + steps
-    return True
-
-
-@kernel
-def _raise_limit(problem, state, agenda, speed, now):
-    """Set a speed limit above ``speed`` and make all rows anew; False if one is too full."""
-    clock = agenda.clock[0]
-    clock.limit = 1.2 * speed
-    for k in range(clock.awake):
-        if not _make_row(problem, state, agenda, agenda.awake[k], now):
-            return False
     return True
 
 
@@ -545,7 +286,7 @@ def _wake(problem, state, agenda, i, now):
         k -= 1
     awake[k] = i
     clock.awake += 1
-    return _make_row(problem, state, agenda, i, now)
+    return make_row(problem, state, agenda, i, now)
 
 
 @kernel
@@ -557,7 +298,7 @@ def _wake_due(problem, state, agenda):
         if not agenda.asleep[i]:
             continue
         if agenda.due[i] <= tally.step + 1:
-            _fly_to(problem, state.particles[i], tally.step)
+            fly_to(problem, state.particles[i], tally.step)
             if not _wake(problem, state, agenda, i, tally.step):
                 return False
         else:
@@ -570,7 +311,7 @@ def _welcome(problem, state, agenda, new):
     """Take in a particle that was just released; False if a row is too full."""
     tally, clock = state.tally[0], agenda.clock[0]
     particle = state.particles[new]
-    _record_flight(agenda, particle, new)
+    record_flight(agenda, particle, new)
     agenda.asleep[new] = False
     agenda.row_size[new] = 0
     if _may_sleep(problem, state, agenda, new, tally.step):
@@ -578,36 +319,27 @@ def _welcome(problem, state, agenda, new):
     elif not _wake(problem, state, agenda, new, tally.step):
         return False
     if clock.limit < 0.0:
-        return _raise_limit(problem, state, agenda, -clock.limit, tally.step)
+        return raise_limit(problem, state, agenda, -clock.limit, tally.step)
     # Rows that were made before do not know it yet.
     for k in range(clock.awake):
         i = agenda.awake[k]
         left = agenda.row_until[i] - tally.step
         reach = 2.0 * problem.radius * (1.0 + SAFETY) + 2.0 * clock.limit * problem.dt * left
-        distance2 = _distance2(state.particles[i], particle)
+        distance2 = centre_distance2(state.particles[i], particle)
         if i == new or distance2 >= reach * reach:
             continue
         if agenda.row_size[i] == SLOTS:
-            if not _make_row(problem, state, agenda, i, tally.step):
+            if not make_row(problem, state, agenda, i, tally.step):
                 return False
             continue
         # It is the highest index of all, hence the last of the row.
         near = agenda.rows[i, agenda.row_size[i]]
         near.j = new
         near.stiffness = 0.0
-        near.next_check = tally.step + 1 + _steps_to_close(problem, clock.limit, distance2)
+        near.next_check = tally.step + 1 + steps_to_close(problem, clock.limit, distance2)
         agenda.row_next[i] = min(agenda.row_next[i], near.next_check)
         agenda.row_size[i] += 1
     return True
-
-
-@kernel(inline=True)
-def _fly_to(problem, particle, step):
-    """Put a flying particle where it is at a lattice step."""
-    time = problem.dt * (step - particle.anchor_step)
-    particle.x = flight(particle.anchor_x, particle.vx, 0.0, time)
-    particle.y = flight(particle.anchor_y, particle.vy, -problem.gravity, time)
-    particle.z = flight(particle.anchor_z, particle.vz, 0.0, time)
 
 
 @kernel
@@ -616,7 +348,7 @@ def _refresh(problem, state):
     for i in range(state.tally[0].live):
         particle = state.particles[i]
         if particle.motion == FLYING:
-            _fly_to(problem, particle, state.tally[0].step)
+            fly_to(problem, particle, state.tally[0].step)
 
 
 @kernel
@@ -636,6 +368,52 @@ def _publish(problem, state, agenda):
                 pair.fn, pair.tx, pair.ty, pair.tz = near.fn, near.tx, near.ty, near.tz
                 found += 1
     tally.pairs = found
+
+
+@kernel
+def _hand_back(problem, state, agenda):
+    """Take over from `synchronous` if the crowd has thinned; False if a row is too full."""
+    tally, clock, particles = state.tally[0], agenda.clock[0], state.particles
+    touching = 0
+    for i in range(tally.live):
+        touching += 1 if particles[i].motion == TOUCHING else 0
+    if touching > THINNED * tally.live:
+        return True
+    clock.crowded = 0
+    clock.awake = 0
+    clock.next_due = NEVER
+    clock.grid_live = 0
+    for i in range(tally.live):
+        agenda.asleep[i] = False
+        agenda.due[i] = NEVER
+        agenda.row_size[i] = 0
+        agenda.flights[0, i] = FAR
+        if particles[i].motion == FLYING:
+            record_flight(agenda, particles[i], i)
+        elif particles[i].motion == TOUCHING:
+            agenda.awake[clock.awake] = i
+            clock.awake += 1
+    for k in range(clock.awake):
+        if not make_row(problem, state, agenda, agenda.awake[k], tally.step):
+            return False
+    for p in range(tally.pairs):
+        pair = state.pairs[p]
+        for m in range(agenda.row_size[pair.i]):
+            near = agenda.rows[pair.i, m]
+            if near.j == pair.j and pair.stiffness != 0.0:
+                near.stiffness = pair.stiffness
+                near.sx, near.sy, near.sz = pair.sx, pair.sy, pair.sz
+                near.fn, near.tx, near.ty, near.tz = pair.fn, pair.tx, pair.ty, pair.tz
+    for i in range(tally.live):
+        if particles[i].motion != FLYING:
+            continue
+        if _may_sleep(problem, state, agenda, i, tally.step):
+            agenda.asleep[i] = True
+        elif not _wake(problem, state, agenda, i, tally.step):
+            return False
+    if clock.limit < 0.0:
+        return raise_limit(problem, state, agenda, -clock.limit, tally.step)
+    return True
 
 
 @kernel
@@ -671,4 +449,5 @@ def _compact(state, agenda):
                 agenda.rows[i, size].j = j
                 size += 1
         agenda.row_size[i] = size
+    clock.grid_live = 0
     compact(state)

@@ -29,15 +29,21 @@ from abradem.dem.state import (
 
 
 @kernel(inline=True)
+def fly_to(problem, particle, step):
+    """Put a flying particle where it is at a lattice step."""
+    time = problem.dt * (step - particle.anchor_step)
+    particle.x = flight(particle.anchor_x, particle.vx, 0.0, time)
+    particle.y = flight(particle.anchor_y, particle.vy, -problem.gravity, time)
+    particle.z = flight(particle.anchor_z, particle.vz, 0.0, time)
+
+
+@kernel(inline=True)
 def move(problem, particle, step):
     """Move a particle from ``step`` to the next; return the square of the distance."""
     dt = problem.dt
     x, y, z = particle.x, particle.y, particle.z
     if particle.motion == FLYING:
-        time = dt * (step + 1 - particle.anchor_step)
-        particle.x = flight(particle.anchor_x, particle.vx, 0.0, time)
-        particle.y = flight(particle.anchor_y, particle.vy, -problem.gravity, time)
-        particle.z = flight(particle.anchor_z, particle.vz, 0.0, time)
+        fly_to(problem, particle, step + 1)
     else:
         kick = problem.kick
         particle.half_vx = particle.vx + kick * particle.fx
@@ -270,9 +276,7 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
         share = entry_share(overlap, -half_speed * dt)
     du = (slide[0] * dt * share, slide[1] * dt * share, slide[2] * dt * share)
     fn, s, q = normal_force(law, overlap, speed)
-    ft, spring, stiffness, _, _ = tangential_force(
-        law, fn, s, q, spring, pair.stiffness, du, slip
-    )
+    ft, spring, stiffness, _, _ = tangential_force(law, fn, s, q, spring, pair.stiffness, du, slip)
     _load(a, fn, n, ft, arm)
     _load(b, fn, (-n[0], -n[1], -n[2]), (-ft[0], -ft[1], -ft[2]), arm)
     rolling = law.rolling_friction * max(fn, 0.0) * problem.radius

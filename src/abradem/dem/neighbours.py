@@ -13,7 +13,8 @@ from abradem.dem.state import GONE, SKIN
 
 
 @kernel(inline=True)
-def _slot(cx, cy, cz, mask):
+def cell_slot(cx, cy, cz, mask):
+    """Slot of a cell in a table of ``mask + 1`` slots, a power of two."""
     return ((cx * 73856093) ^ (cy * 19349663) ^ (cz * 83492791)) & mask
 
 
@@ -62,7 +63,7 @@ def rebuild_pairs(problem, state):
         cell[i, 0] = np.int64(np.floor(particles[i].x / reach))
         cell[i, 1] = np.int64(np.floor(particles[i].y / reach))
         cell[i, 2] = np.int64(np.floor(particles[i].z / reach))
-        slot[i] = _slot(cell[i, 0], cell[i, 1], cell[i, 2], size - 1)
+        slot[i] = cell_slot(cell[i, 0], cell[i, 1], cell[i, 2], size - 1)
         first[slot[i] + 1] += 1
     for s in range(size):
         first[s + 1] += first[s]
@@ -82,7 +83,7 @@ def rebuild_pairs(problem, state):
             cx = cell[i, 0] + offset // 9 - 1
             cy = cell[i, 1] + offset // 3 % 3 - 1
             cz = cell[i, 2] + offset % 3 - 1
-            s = _slot(cx, cy, cz, size - 1)
+            s = cell_slot(cx, cy, cz, size - 1)
             for m in range(first[s], first[s + 1]):
                 j = members[m]
                 if j <= i or cell[j, 0] != cx or cell[j, 1] != cy or cell[j, 2] != cz:

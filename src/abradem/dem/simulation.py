@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from abradem.dem import synchronous
+from abradem.dem import islands, synchronous
+from abradem.dem.agenda import grown_agenda
 from abradem.dem.contact import hertz_duration
 from abradem.dem.energy import energy_book
 from abradem.dem.model import Case, Setup, SimulationResult
@@ -16,6 +17,7 @@ from abradem.dem.state import (
     STOP_NOT_FINITE,
     STOP_REASONS,
     Problem,
+    Schedule,
     State,
     grown,
     make_problem,
@@ -69,7 +71,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     setup = Setup() if setup is None else setup
     problem, schedule = make_problem(case, setup, releases)
     _check_step(problem, schedule, setup)
-    state = make_state(problem, FIRST_CAPACITY)
+    engine = _Engine(problem, schedule, setup.stepping)
     sample_steps = max(1, round(setup.sample_interval / problem.dt))
     interval = sample_steps * problem.dt
     map_samples = max(1, round(setup.window / MAPS_PER_WINDOW / interval))
@@ -77,6 +79,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     longest = setup.max_time if setup.duration is None else setup.duration
     samples = max(1, math.ceil(longest / interval - 1e-9))
     record_steps = max(1, round(recorder.interval / problem.dt)) if recorder else None
+    state = engine.state
     if recorder:
         recorder.record(0.0, problem, state)
 
@@ -87,9 +90,8 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     next_check = setup.window
     settled = None
     for sample in range(1, samples + 1):
-        state, outcome = _advance(
-            problem, schedule, state, sample * sample_steps, record_steps, recorder
-        )
+        outcome = engine.advance(sample * sample_steps, record_steps, recorder)
+        state = engine.state
         if outcome == DONE:
             outcome, book = _guard(problem, state, book)
         if outcome != DONE:
@@ -121,25 +123,48 @@ def _worn(state: State) -> np.ndarray:
     return np.array([state.tally[f"worn_{reading}"][0] for reading in READINGS])
 
 
-def _advance(problem: Problem, schedule, state: State, last_step: int, record_steps, recorder):
-    """Step on to ``last_step``, making room and recording on the way."""
-    while True:
-        target = last_step
-        if record_steps:
-            target = min(target, (int(state.tally["step"][0]) // record_steps + 1) * record_steps)
-        outcome = synchronous.advance(problem, schedule, state, target)
-        if outcome == NEEDS_ROOM:
-            state = grown(state, 2 * state.particles.size)
-            continue
-        if outcome != DONE:
-            return state, outcome
-        if record_steps and target % record_steps == 0:
-            recorder.record(target * problem.dt, problem, state)
-        if target == last_step:
-            return state, DONE
+class _Engine:
+    """A state and the stepping that advances it, with room made as needed."""
+
+    def __init__(self, problem: Problem, schedule: Schedule, stepping: str):
+        self.problem, self.schedule = problem, schedule
+        self.state = make_state(problem, FIRST_CAPACITY)
+        # Only the stepping by islands keeps an agenda.
+        self.agenda = (
+            islands.make_agenda(problem, FIRST_CAPACITY) if stepping == "islands" else None
+        )
+
+    def advance(self, last_step: int, record_steps, recorder) -> int:
+        """Step on to ``last_step``, recording on the way; return how that ended."""
+        while True:
+            target = last_step
+            if record_steps:
+                step = int(self.state.tally["step"][0])
+                target = min(target, (step // record_steps + 1) * record_steps)
+            outcome = self._kernel(target)
+            if outcome == NEEDS_ROOM:
+                self._grow()
+                continue
+            if outcome != DONE:
+                return outcome
+            if record_steps and target % record_steps == 0:
+                recorder.record(target * self.problem.dt, self.problem, self.state)
+            if target == last_step:
+                return DONE
+
+    def _kernel(self, target: int) -> int:
+        if self.agenda is None:
+            return synchronous.advance(self.problem, self.schedule, self.state, target)
+        return islands.advance(self.problem, self.schedule, self.state, self.agenda, target)
+
+    def _grow(self) -> None:
+        capacity = 2 * self.state.particles.size
+        self.state = grown(self.state, capacity)
+        if self.agenda is not None:
+            self.agenda = grown_agenda(self.agenda, self.problem, capacity)
 
 
-def _check_step(problem: Problem, schedule, setup: Setup) -> None:
+def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
     """Refuse a step that would jump through a contact."""
     fall = math.sqrt(problem.release_speed**2 + 2.0 * problem.gravity * setup.fall_height)
     fastest = fall

@@ -41,6 +41,7 @@ STOP_REASONS = {
     STOP_NOT_FINITE: "a position is not a finite number",
 }
 
+
 class Problem(NamedTuple):
     """Constants of a simulation, SI."""
 

@@ -13,7 +13,15 @@ of others), hence
   the coefficients is A diag(r^2 / (1 - h)^2) A'. Nearly dependent features make them wide.
 
 The equation is fitted on all rows and describes; how well such a model predicts is what the
-held-out rows of repeated splits say, where scaler and fit see training rows only.
+held-out rows of repeated splits say, where scaler and fit see training rows only. Beside it
+stands the fit as published (one split, scaler of all rows), whose coefficients are compared with
+the printed ones.
+
+Two diagnostics say what to think of the coefficients. The variance inflation factor of feature
+j is 1 / (1 - R_j^2), R_j^2 that of the feature on the others: how much dependence widens the
+interval. The test of Breusch and Pagan in the form of Koenker (1981, J. Econometrics 17:107),
+n R^2 of the squared residuals on the features against chi-squared, asks whether the scatter
+depends on the features.
 """
 
 from __future__ import annotations
@@ -26,13 +34,29 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from abradem.dataset import COLUMNS, content_hash, write_json, write_table
-from abradem.learning.protocols import repeated_splits
-from abradem.learning.scores import SCORE_COLUMNS, score, score_rows, summarise
+from abradem.dataset import write_table
+from abradem.learning.evaluation import (
+    Predict,
+    Results,
+    evaluate_as_published,
+    evaluate_honest,
+    scaled,
+    scalers_of_all_rows,
+)
+from abradem.learning.modelfile import about, write_model
+from abradem.learning.paper import compare_equation
+from abradem.learning.protocols import (
+    AS_PUBLISHED,
+    HONEST,
+    PUBLISHED_SHARE,
+    held_out,
+    published_split,
+)
+from abradem.learning.scores import score, scores_of
+from abradem.learning.table import Table, constant, learning_table, standard_scaler
 from abradem.parameters import FEATURE_NAMES, TARGET, quantity
 
 MODEL = "linear"
-PROTOCOL = "honest"
 
 SINGULAR_CUTOFF = 1e-10
 """Singular values below this share of the largest count as zero."""
@@ -63,10 +87,15 @@ class LinearResult:
     Attributes
     ----------
     coefficients : pandas.DataFrame
-        symbol, feature, coefficient, standard_error, lower, upper, identified; one row per
-        feature, dimensionless.
+        symbol, feature, coefficient, standard_error, lower, upper, identified,
+        variance_inflation; one row per feature, dimensionless.
     equation : str
         The fitted equation in standardised variables.
+    residuals : pandas.DataFrame
+        case_id, fitted, residual (both in standard deviations of the target), leverage; all
+        rows.
+    published : pandas.DataFrame
+        Printed coefficients beside the refit, see `abradem.learning.paper.compare_equation`.
     predictions : pandas.DataFrame
         model, protocol, case_id, repeat, split, actual, predicted (mm/s) of held-out rows.
     scores : pandas.DataFrame
@@ -78,6 +107,8 @@ class LinearResult:
 
     coefficients: pd.DataFrame
     equation: str
+    residuals: pd.DataFrame
+    published: pd.DataFrame
     predictions: pd.DataFrame
     scores: pd.DataFrame
     summary: dict
@@ -98,10 +129,10 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> Fit:
         residual degree of freedom is left or a row is fitted whatever its target.
     """
     n = len(target)
-    mean, constant = features.mean(axis=0), _constant(features)
-    scale = np.where(constant, 1.0, features.std(axis=0))
+    mean, fixed = features.mean(axis=0), constant(features)
+    scale = np.where(fixed, 1.0, features.std(axis=0))
     target_mean, target_scale = float(target.mean()), float(target.std()) or 1.0
-    x = np.where(constant, 0.0, (features - mean) / scale)
+    x = np.where(fixed, 0.0, (features - mean) / scale)
     y = (target - target_mean) / target_scale
 
     u, singular, vt = np.linalg.svd(x, full_matrices=False)
@@ -109,7 +140,7 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> Fit:
     u, singular, vt = u[:, kept], singular[kept], vt[kept]
     rank = len(singular)
     pseudo_inverse = (vt.T / singular) @ u.T
-    coefficients = np.where(constant, 0.0, pseudo_inverse @ y)
+    coefficients = np.where(fixed, 0.0, pseudo_inverse @ y)
     identified = np.sum(vt**2, axis=0) > 1.0 - 1e-8
 
     leverage = 1.0 / n + np.sum(u**2, axis=1)
@@ -141,6 +172,51 @@ def predict(fit: Fit, features: np.ndarray) -> np.ndarray:
     )
 
 
+def ordinary(x: np.ndarray, y: np.ndarray) -> Predict:
+    """Least squares as a model for `abradem.learning.evaluation`."""
+    fit = least_squares(x, y)
+    return lambda rows: predict(fit, rows)
+
+
+def variance_inflation(features: np.ndarray) -> np.ndarray:
+    """Variance inflation factors, shape (p,); inf where the others determine a feature.
+
+    nan for a constant feature, and throughout without more rows than features.
+    """
+    varies = np.flatnonzero(~constant(features))
+    found = np.full(features.shape[1], np.nan)
+    if len(features) <= len(varies) + 1:
+        return found
+    z = standard_scaler(features).forward(features)[:, varies]
+    for place, column in enumerate(varies):
+        others = np.delete(z, place, axis=1)
+        weights = np.linalg.lstsq(others, z[:, place], rcond=None)[0]
+        rest = float(np.mean((z[:, place] - others @ weights) ** 2))
+        found[column] = 1.0 / rest if rest > SINGULAR_CUTOFF else np.inf
+    return found
+
+
+def breusch_pagan(features: np.ndarray, residuals: np.ndarray) -> dict:
+    """Whether the squared residuals depend on the features.
+
+    Returns
+    -------
+    dict
+        ``statistic`` (n R^2), ``degrees_of_freedom``, ``p_value``; nan without enough rows.
+    """
+    squared = residuals**2
+    fit = least_squares(features, squared)
+    if len(squared) <= fit.rank + 1 or np.ptp(squared) == 0.0:
+        return {"statistic": np.nan, "degrees_of_freedom": fit.rank, "p_value": np.nan}
+    explained = score(squared, predict(fit, features), 0.0)["R2"]
+    statistic = len(squared) * explained
+    return {
+        "statistic": statistic,
+        "degrees_of_freedom": fit.rank,
+        "p_value": float(stats.chi2.sf(statistic, fit.rank)),
+    }
+
+
 def fit_linear(
     dataset: pd.DataFrame,
     target: str = TARGET.name,
@@ -150,7 +226,7 @@ def fit_linear(
     seed: int = 0,
     table: str = "dataset",
 ) -> LinearResult:
-    """Fit the linear equation and score it on held-out rows of repeated splits.
+    """Fit the linear equation and score it on held-out rows, both protocols.
 
     Parameters
     ----------
@@ -159,9 +235,9 @@ def fit_linear(
     target : str
         A wear-rate column, mm/s.
     test_share : float
-        Share of rows held out in each split.
+        Share of rows held out in each split (honest).
     repeats : int
-        Number of random splits.
+        Number of random splits (honest).
     confidence : float
         Of the coefficients' intervals, and the central share of repeats that scores state.
     seed : int
@@ -175,105 +251,107 @@ def fit_linear(
     """
     if not 0.0 < confidence < 1.0:
         raise ValueError(f"confidence = {confidence!r} must lie between 0 and 1")
-    if target not in dataset:
-        raise ValueError(f"dataset: lacks the target {target}")
-    dataset = dataset.sort_values("case_id", ignore_index=True)
-    keys = dataset["case_id"].to_numpy()
-    x = dataset[list(FEATURE_NAMES)].to_numpy(dtype=float)
-    y = dataset[target].to_numpy(dtype=float)
-    if not (np.isfinite(x).all() and np.isfinite(y).all()):
-        raise ValueError("dataset: features and target must be finite")
-    if len(y) < 3:
-        raise ValueError(f"dataset: {len(y)} rows are too few for a linear model")
-    names = {"model": MODEL, "protocol": PROTOCOL, "table": table}
-    unit = COLUMNS[target].unit
+    rows = learning_table(dataset, target, table)
+    x, y = rows.features, rows.target
+    results = Results(rows)
+    evaluate_honest(results, MODEL, ordinary, test_share, repeats, seed)
+    of_all = scalers_of_all_rows(rows)
+    evaluate_as_published(results, MODEL, scaled(ordinary, of_all))
 
-    scores, predictions = [], []
-    for repeat, (train, test) in enumerate(repeated_splits(keys, test_share, repeats, seed)):
-        split_fit = least_squares(x[train], y[train])
-        floor = float(y[train].min())
-        for split, rows in (("test", test), ("train", train)):
-            predicted = predict(split_fit, x[rows])
-            metrics = score(y[rows], predicted, floor)
-            scores += score_rows(metrics, **names, split=split, repeat=repeat, target_unit=unit)
-            if split == "test":
-                predictions.append(_predictions(keys[rows], repeat, y[rows], predicted))
     fit = least_squares(x, y)
-    metrics = score(y, predict(fit, x), float(y.min()))
-    scores += score_rows(metrics, **names, split="fit", repeat=-1, target_unit=unit)
-
-    score_frame = pd.DataFrame(scores, columns=SCORE_COLUMNS)
-    coefficients = _coefficients(fit, confidence)
-    equation = _equation(coefficients)
-    rows = {"rows": len(y), "train": len(train), "test": len(test)}
+    fitted = predict(fit, x)
+    everything = np.arange(len(y))
+    results.add(MODEL, HONEST, "fit", -1, everything, fitted, float(y.min()), keep=False)
+    residuals = _residuals(rows, fit, fitted)
+    published, own = compare_equation(_published_coefficients(rows))
+    coefficients = _coefficients(fit, confidence).assign(variance_inflation=variance_inflation(x))
+    scores = results.scores
+    tested = held_out(len(y), test_share)
+    train = len(y) - tested
+    description = about(
+        rows, MODEL, HONEST, "linear", of_all,
+        scores=scores_of(scores, MODEL, HONEST, confidence),
+    )  # fmt: skip
+    for feature, coefficient in zip(description["features"], fit.coefficients, strict=True):
+        feature["coefficient"] = coefficient
     return LinearResult(
         coefficients=coefficients,
-        equation=equation,
-        predictions=pd.concat(predictions, ignore_index=True),
-        scores=score_frame,
+        equation=_equation(coefficients),
+        residuals=residuals,
+        published=published,
+        predictions=results.predictions,
+        scores=scores,
         summary={
-            **names,
-            "target": {"name": target, "unit": unit},
-            "features": [_feature(name, x[:, i], fit, i) for i, name in enumerate(FEATURE_NAMES)],
-            "intercept": 0.0,
-            "target_mean": fit.target_mean,
-            "target_scale": fit.target_scale,
-            "equation": equation,
+            **description,
+            "equation": _equation(coefficients),
+            "scores_as_published": scores_of(scores, MODEL, AS_PUBLISHED, confidence),
+            "breusch_pagan": breusch_pagan(x, residuals["residual"].to_numpy()),
+            "misprints": _misprints(published) if own else None,
             "rank": fit.rank,
             "condition_number": fit.condition_number,
             "degrees_of_freedom": fit.degrees_of_freedom,
             "intervals": f"{100 * confidence:g} % t-intervals, HC3 standard errors",
-            "splits": {**rows, "repeats": repeats, "test_share": test_share, "seed": seed},
+            "splits": {
+                "rows": len(y), "train": train, "test": tested, "repeats": repeats,
+                "test_share": test_share, "seed": seed,
+            },
             "confidence": confidence,
-            "scores": _held_out_scores(score_frame, confidence),
-            "dataset_hash": content_hash(dataset[["case_id", *FEATURE_NAMES, target]]),
-            "notes": _notes(fit, _constant(x), len(y), len(train), len(test), score_frame),
+            "notes": _notes(fit, constant(x), len(y), train, tested, scores),
         },
-    )
+    )  # fmt: skip
 
 
 def write_linear(
     result: LinearResult,
     summary: str | Path,
+    arrays: str | Path,
     coefficients: str | Path,
+    residuals: str | Path,
+    published: str | Path,
     scores: str | Path,
     predictions: str | Path,
 ) -> None:
-    """Write the model (JSON) and its tables (Parquet)."""
-    write_table(result.coefficients, coefficients)
-    write_table(result.scores, scores)
-    write_table(result.predictions, predictions)
-    write_json(result.summary, summary)
+    """Write the model (JSON, and ``arrays`` beside it as safetensors) and its tables (Parquet)."""
+    for frame, path in (
+        (result.coefficients, coefficients),
+        (result.residuals, residuals),
+        (result.published, published),
+        (result.scores, scores),
+        (result.predictions, predictions),
+    ):
+        write_table(frame, path)
+    if Path(arrays) != Path(summary).with_suffix(".safetensors"):
+        raise ValueError(f"{arrays} must stand beside {summary}")
+    found = result.coefficients["coefficient"].to_numpy()
+    write_model(result.summary, {"coefficients": found}, summary)
 
 
-def _constant(features: np.ndarray) -> np.ndarray:
-    """Which columns do not vary, shape (p,)."""
-    return np.ptp(features, axis=0) <= 1e-12 * np.abs(features).max(axis=0)
+def _published_coefficients(table: Table) -> np.ndarray:
+    """Coefficients of the published split in variables scaled over all rows."""
+    of_x, of_y = scalers_of_all_rows(table)
+    train, _ = published_split(len(table.target), PUBLISHED_SHARE)
+    fit = least_squares(of_x.forward(table.features[train]), of_y.forward(table.target[train]))
+    return fit.coefficients * fit.target_scale / fit.scale
 
 
-def _feature(name: str, values: np.ndarray, fit: Fit, i: int) -> dict:
-    row = quantity(name)
-    return {
-        "symbol": row.symbol,
-        "name": name,
-        "unit": row.unit,
-        "mean": fit.mean[i],
-        "scale": fit.scale[i],
-        "coefficient": fit.coefficients[i],
-        "training_range": [values.min(), values.max()],
-    }
+def _misprints(published: pd.DataFrame) -> list[str]:
+    rows = published[published["verdict"] != "agrees"]
+    return [
+        f"{row.symbol}: printed {row.printed:+.3f}, refitted {row.refitted:+.3f} ({row.verdict})"
+        for row in rows.itertuples(index=False)
+    ]
 
 
-def _predictions(keys, repeat, actual, predicted) -> pd.DataFrame:
+def _residuals(table: Table, fit: Fit, fitted: np.ndarray) -> pd.DataFrame:
+    z = (table.features - fit.mean) / fit.scale
+    u, singular, _ = np.linalg.svd(z, full_matrices=False)
+    kept = singular > SINGULAR_CUTOFF * singular.max(initial=0.0)
     return pd.DataFrame(
         {
-            "model": MODEL,
-            "protocol": PROTOCOL,
-            "case_id": keys,
-            "repeat": repeat,
-            "split": "test",
-            "actual": actual,
-            "predicted": predicted,
+            "case_id": table.keys,
+            "fitted": (fitted - fit.target_mean) / fit.target_scale,
+            "residual": (table.target - fitted) / fit.target_scale,
+            "leverage": 1.0 / len(z) + np.sum(u[:, kept] ** 2, axis=1),
         }
     )
 
@@ -303,31 +381,14 @@ def _equation(coefficients: pd.DataFrame) -> str:
     return f"{TARGET.symbol} = 0.000 " + " ".join(terms)
 
 
-def _held_out_scores(scores: pd.DataFrame, confidence: float) -> dict:
-    table = summarise(scores, confidence)
-    return {
-        split: {
-            row.metric: {
-                "mean": row.mean,
-                "median": row.median,
-                "lower": row.lower,
-                "upper": row.upper,
-                "unit": row.unit,
-            }
-            for row in rows.itertuples(index=False)
-        }
-        for split, rows in table.groupby("split", sort=False)
-    }
-
-
 def _notes(
-    fit: Fit, constant: np.ndarray, rows: int, train: int, test: int, scores: pd.DataFrame
+    fit: Fit, fixed: np.ndarray, rows: int, train: int, test: int, scores: pd.DataFrame
 ) -> list[str]:
     """What the rows do not allow, one line each."""
     notes = []
     size = len(FEATURE_NAMES)
-    if constant.any():
-        symbols = [quantity(name).symbol for name in np.array(FEATURE_NAMES)[constant]]
+    if fixed.any():
+        symbols = [quantity(name).symbol for name in np.array(FEATURE_NAMES)[fixed]]
         notes.append(f"constant in this table, hence without effect: {', '.join(symbols)}")
     if fit.rank < size:
         notes.append(
@@ -345,7 +406,7 @@ def _notes(
         )
     if test < 2:
         notes.append(f"{test} test row: no held-out R2")
-    held_out = scores[(scores["split"] == "test") & (scores["metric"] == "R2_log")]
-    if not np.isfinite(held_out["value"]).any() and test >= 2:
+    logarithmic = scores[(scores["split"] == "test") & (scores["metric"] == "R2_log")]
+    if not np.isfinite(logarithmic["value"]).any() and test >= 2:
         notes.append("targets that are not positive: no scores on their logarithm")
     return notes

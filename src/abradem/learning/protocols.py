@@ -1,4 +1,14 @@
-"""Which rows train and which test: the same for every model of a study."""
+"""Two protocols of training and evaluation, and which rows each trains and tests on.
+
+``honest``
+    Everything that learns (scaler, selection of features, hyper-parameters, genetic search)
+    sees training rows only; the test rows of a split are touched once, and are the same for
+    all models of a study. Dear models use the first of the repeated splits.
+``as_published``
+    What the study's notebooks do: one shuffle with seed 42, a scaler fitted on all rows before
+    the split, choices made on the test rows. It is kept to reproduce the printed figures; its
+    scores are optimistic and every table and figure that shows one says so.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +16,16 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+
+HONEST = "honest"
+AS_PUBLISHED = "as_published"
+PROTOCOLS = (AS_PUBLISHED, HONEST)
+
+PUBLISHED_SEED = 42
+PUBLISHED_SHARE = 0.2
+"""Rows held out for the regressions and the tree, as published."""
+PUBLISHED_NETWORK_SHARE = 0.3
+"""Rows held out for the networks, as published."""
 
 
 def repeated_splits(
@@ -35,6 +55,33 @@ def repeated_splits(
     for repeat in range(repeats):
         shuffled = np.random.default_rng([seed, repeat]).permutation(n)
         yield order[np.sort(shuffled[tested:])], order[np.sort(shuffled[:tested])]
+
+
+def published_split(rows: int, test_share: float) -> tuple[np.ndarray, np.ndarray]:
+    """Training and test rows as published: scikit-learn's ``train_test_split``, seed 42.
+
+    Returns
+    -------
+    train, test : ndarray of int
+        In the order of the shuffle, which mini-batches follow.
+    """
+    tested = held_out(rows, test_share)
+    shuffled = np.random.RandomState(PUBLISHED_SEED).permutation(rows)
+    return shuffled[tested:], shuffled[:tested]
+
+
+def folds(rows: int, count: int, seed: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Training and validation rows of a shuffled cross-validation inside ``rows`` rows.
+
+    Few rows get fewer folds: each validates on two rows or more.
+    """
+    count = min(count, rows // 2)
+    if count < 2:
+        raise ValueError(f"{rows} rows are too few to cross-validate")
+    shuffled = np.random.default_rng(seed).permutation(rows)
+    parts = [np.sort(part) for part in np.array_split(shuffled, count)]
+    everything = np.arange(rows)
+    return [(np.setdiff1d(everything, part), part) for part in parts]
 
 
 def held_out(rows: int, test_share: float) -> int:

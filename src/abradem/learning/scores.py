@@ -92,3 +92,21 @@ def summarise(scores: pd.DataFrame, confidence: float = 0.95) -> pd.DataFrame:
         mean = float(values.mean()) if values.size else np.nan
         rows.append((*key, values.size, mean, float(median), float(lower), float(upper)))
     return pd.DataFrame(rows, columns=[*keys, "repeats", "mean", "median", "lower", "upper"])
+
+
+def scores_of(scores: pd.DataFrame, model: str, protocol: str, confidence: float = 0.95) -> dict:
+    """Centre and interval of all metrics of one model, as its file states them."""
+    mine = scores[(scores["model"] == model) & (scores["protocol"] == protocol)]
+    return {
+        split: {
+            row.metric: {
+                "mean": row.mean,
+                "median": row.median,
+                "lower": row.lower,
+                "upper": row.upper,
+                "unit": row.unit,
+            }
+            for row in rows.itertuples(index=False)
+        }
+        for split, rows in summarise(mine, confidence).groupby("split", sort=False)
+    }

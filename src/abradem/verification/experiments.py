@@ -108,3 +108,53 @@ def incline(scene: Scene, angle_deg: float, gravity: float = 9.81) -> float:
     late = time > settling
     slope = np.polyfit(time[late], -along[late], 1)[0]
     return float(slope)
+
+
+def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000, **law):
+    """An impact under a law with other constants than a study can choose.
+
+    Parameters
+    ----------
+    scene : Scene
+    speed, angle_deg : float
+        m/s and degrees from the normal.
+    steps : int
+        Per contact.
+    **law : float
+        Factors on constants of `abradem.dem.contact.Law`, such as ``ct=1.2``.
+
+    Returns
+    -------
+    dict
+        normal_velocity, tangential_velocity (m/s), spin (rad/s, forward), total and
+        friction_work (J).
+    """
+    from abradem.dem.contact import hertz_duration
+    from abradem.dem.state import DONE, FLYING, make_problem, make_state
+    from abradem.dem.synchronous import advance
+
+    angle = math.radians(angle_deg)
+    v_n, v_t = speed * math.cos(angle), speed * math.sin(angle)
+    probe = make_problem(scene.case(), scene.plane(time_step=1.0))[0]
+    dt = hertz_duration(probe.plate_law, probe.mass, v_n) / steps
+    release = ([0.0], [(0.0, scene.radius + 0.5 * v_n * dt, 0.0)], [(v_t, -v_n, 0.0)])
+    problem, schedule = make_problem(
+        scene.case(), scene.plane(time_step=dt, gravity=0.0), release
+    )
+    changed = {name: getattr(problem.plate_law, name) * factor for name, factor in law.items()}
+    problem = problem._replace(plate_law=problem.plate_law._replace(**changed))
+    state = make_state(problem, 1)
+    step = 2 * steps
+    if advance(problem, schedule, state, step) != DONE:
+        raise RuntimeError("impact ended early")
+    while state.particles[0]["motion"] != FLYING:
+        step += steps
+        advance(problem, schedule, state, step)
+    sphere, tally = state.particles[0], state.tally[0]
+    return {
+        "normal_velocity": float(sphere["vy"]),
+        "tangential_velocity": float(sphere["vx"]),
+        "spin": -float(sphere["wz"]),
+        "total": float(tally["worn_total"]),
+        "friction_work": float(tally["worn_friction"]) * scene.interaction.static_friction,
+    }

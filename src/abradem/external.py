@@ -1,0 +1,240 @@
+"""A table that someone else made, in the place of our simulations.
+
+CSV or Parquet. A column is found under our own name, under the name that the study's authors
+gave it in their published table, or as the mapping of the configuration says. Units are those of
+`abradem.parameters` unless the mapping or the metadata of a Parquet field names another that is
+known; values outside the physical limits are refused, which is what a wrong unit leads to.
+Derived features that the table lacks are computed, those that it has are taken as they stand
+(the published table rounds Young's modulus of the plate, for example).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from abradem.dataset import COLUMNS, WEAR_COLUMNS, TableError
+from abradem.features import derive
+from abradem.parameters import FEATURE_NAMES, QUANTITIES, SAMPLED_NAMES, TARGET, quantity
+
+PUBLISHED_NAMES = {
+    "particle_youngs_modulus": "Young's Modulus (Material)",
+    "particle_shear_modulus": "Shear Modulus (Material)",
+    "particle_poisson_ratio": "Poisson's Ratio (Material)",
+    "particle_density": "Density (Material)",
+    "equipment_youngs_modulus": "Young's Modulus (Equipment)",
+    "equipment_shear_modulus": "Shear Modulus (Equipment)",
+    "equipment_poisson_ratio": "Poisson's Ratio (Equipment)",
+    "equipment_density": "Density (Equipment)",
+    "restitution": "Coefficient of Restitution (Interaction)",
+    "rolling_friction": "Coefficient of Rolling Friction (Interaction)",
+    "static_friction": "Coefficient of Static Friction (Interaction)",
+    "archard_constant": "Archard Wear Constant",
+    "plate_angle": "Plate Angle",
+    "factory_angle": "Factory Angle",
+    "particle_radius": "Particle Size",
+    "particle_velocity_y": "Factory Z Velocity",
+    "effective_youngs_modulus": "Equivalent Young's Modulus (E*)",
+    "effective_shear_modulus": "Equivalent Shear Modulus (G*)",
+    "damping_ratio": "Logarithmic Damping Ratio (ξ)",
+    "damping_coefficient": "Damping Coefficient (η)",
+    TARGET.name: "Wear Rate",
+}
+"""Columns of the study's published table. Its particle size is the radius, m."""
+
+UNITS = {
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
+    "1/Pa": {"1/Pa": 1.0, "m2/N": 1.0, "1/GPa": 1e-9},
+    "kg/m3": {"kg/m3": 1.0, "g/cm3": 1e3},
+    "deg": {"deg": 1.0, "rad": 180.0 / math.pi},
+    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "m/s": {"m/s": 1.0, "mm/s": 1e-3},
+    "kg/s": {"kg/s": 1.0, "g/s": 1e-3},
+    "mm/s": {"mm/s": 1.0, "m/s": 1e3, "um/s": 1e-3, "mm/h": 1.0 / 3600.0},
+    "1": {"1": 1.0},
+}
+"""For each of our units those that are understood, and the factor to ours."""
+
+CLOSE = 0.02
+"""Relative difference up to which a derived column agrees with its formula."""
+MOST_LINES = 20
+"""Bad rows named one by one."""
+
+Mapped = Mapping[str, str | tuple[str, str]]
+
+
+def read_external(path: str | Path, columns: Mapped | None = None) -> pd.DataFrame:
+    """Read a user's table as a data set.
+
+    Parameters
+    ----------
+    path : path-like
+        ``.csv`` (any encoding of Unicode, comma) or ``.parquet``.
+    columns : mapping, optional
+        Our name to the table's, or to a pair of its name and its unit.
+
+    Returns
+    -------
+    pandas.DataFrame
+        case_id (number of the row, from 0), the 20 features, and the wear columns found.
+
+    Raises
+    ------
+    TableError
+        With one line for each problem.
+    """
+    path = Path(path)
+    table, units = _read(path)
+    columns = dict(columns or {})
+    wanted = (*FEATURE_NAMES, *WEAR_COLUMNS)
+    problems = [
+        f"{path}: mapping of {name}: no such quantity; known are {', '.join(wanted)}"
+        for name in columns
+        if name not in wanted
+    ]
+    found: dict[str, np.ndarray] = {}
+    for name in wanted:
+        column, unit, problem = _source(name, columns.get(name), table, units)
+        if problem:
+            problems.append(f"{path}: {problem}")
+        elif column is not None:
+            values, bad = _numbers(table[column])
+            problems += [f"{path}: {line}" for line in _bad_numbers(column, table[column], bad)]
+            found[name] = values * UNITS[COLUMNS[name].unit][unit]
+    missing = [name for name in SAMPLED_NAMES if name not in found]
+    problems += [
+        f"{path}: lacks a column for {name} (looked for {name}, "
+        f"{PUBLISHED_NAMES[name]}; map it with dataset.columns)"
+        for name in missing
+        if name not in columns
+    ]
+    if not any(name in found for name in WEAR_COLUMNS):
+        problems.append(
+            f"{path}: lacks a wear rate (looked for {', '.join(WEAR_COLUMNS[:1])}, "
+            f"{PUBLISHED_NAMES[TARGET.name]}; map it with dataset.columns)"
+        )
+    if not problems and not len(table):
+        problems.append(f"{path}: holds no rows")
+    if problems:
+        raise TableError("\n".join(problems))
+    problems = [f"{path}: {line}" for line in _bad_rows(found)]
+    if problems:
+        raise TableError("\n".join(problems))
+
+    given = pd.DataFrame(found)
+    derived = derive(given)
+    problems = [f"{path}: {line}" for line in _wrong_derived(given, derived)]
+    if problems:
+        raise TableError("\n".join(problems))
+    for name in FEATURE_NAMES:
+        if name not in given:
+            given[name] = derived[name]
+    given.insert(0, "case_id", np.arange(len(given), dtype=np.int64))
+    wear = [name for name in WEAR_COLUMNS if name in given]
+    return given[["case_id", *FEATURE_NAMES, *wear]]
+
+
+def _read(path: Path) -> tuple[pd.DataFrame, dict[str, str]]:
+    """The table as text or numbers, and the units that its fields name."""
+    if path.suffix.lower() in (".parquet", ".pq"):
+        from abradem.dataset import read_table, read_units
+
+        return read_table(path), {name: unit for name, unit in read_units(path).items() if unit}
+    if path.suffix.lower() != ".csv":
+        raise TableError(f"{path}: is neither .csv nor .parquet")
+    try:
+        table = pd.read_csv(path, dtype=str, encoding="utf-8-sig", keep_default_na=False)
+    except FileNotFoundError:
+        raise TableError(f"{path}: no such file") from None
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
+        raise TableError(f"{path}: not a CSV table ({str(error).splitlines()[0]})") from None
+    table.columns = [str(name).strip() for name in table.columns]
+    return table, {}
+
+
+def _source(name: str, mapped, table: pd.DataFrame, units: dict[str, str]):
+    """Column of the table for one of our names, its unit, and what is wrong with them."""
+    unit = None
+    if mapped is not None:
+        column, unit = (mapped, None) if isinstance(mapped, str) else mapped
+        if column not in table:
+            return None, None, f"lacks column {column!r}, which {name} is mapped to"
+    else:
+        candidates = (name, PUBLISHED_NAMES.get(name, name))
+        column = next((one for one in candidates if one in table), None)
+        if column is None:
+            return None, None, ""
+    ours = COLUMNS[name].unit
+    unit = unit or units.get(column, ours)
+    if unit not in UNITS[ours]:
+        known = ", ".join(UNITS[ours])
+        return None, None, f"column {column!r}: unit {unit!r} is unknown for {name} ({known})"
+    return column, unit, ""
+
+
+def _numbers(values: pd.Series) -> tuple[np.ndarray, np.ndarray]:
+    found = pd.to_numeric(values, errors="coerce").to_numpy(dtype=float)
+    return found, ~np.isfinite(found)
+
+
+def _bad_numbers(column: str, values: pd.Series, bad: np.ndarray) -> list[str]:
+    rows = np.flatnonzero(bad)
+    if len(rows) == len(values) > 0:
+        return [f"column {column!r}: holds no numbers (first {values.iloc[0]!r})"]
+    return _capped(
+        [f"row {row + 1}: {column} = {values.iloc[row]!r} is not a finite number" for row in rows]
+    )
+
+
+def _bad_rows(found: dict[str, np.ndarray]) -> list[str]:
+    """Values outside the physical limits, and wear that is not positive."""
+    lines = []
+    for name, values in found.items():
+        if name in SAMPLED_NAMES:
+            row = quantity(name)
+            low, high = row.limits
+            bad = np.flatnonzero((values < low) | (values > high))
+            law = f"must lie in [{low:g}, {high:g}] {row.unit}"
+            unit = "" if row.unit == "1" else f" {row.unit}"
+        elif name in WEAR_COLUMNS:
+            bad, law, unit = np.flatnonzero(values <= 0.0), "must be positive", " mm/s"
+        else:
+            continue
+        if len(bad) > 1 and len(bad) == len(values):
+            lines.append(
+                f"column {name}: all {len(values)} values are out of limits (first "
+                f"{values[0]:g}{unit}), {law}; give its unit with dataset.columns"
+            )
+        else:
+            lines += [f"row {at + 1}: {name} = {values[at]:g}{unit} {law}" for at in bad]
+    return _capped(lines)
+
+
+def _wrong_derived(given: pd.DataFrame, derived: pd.DataFrame) -> list[str]:
+    """Derived columns that contradict their formula, which a wrong unit or sign leads to.
+
+    The median row decides: rounding spoils single ones.
+    """
+    lines = []
+    for row in QUANTITIES:
+        if row.kind != "derived" or row.name not in given:
+            continue
+        ratio = np.median(given[row.name] / derived[row.name])
+        # The damping coefficient exists in two forms, see `abradem.features`.
+        forms = (1.0, -math.sqrt(6.0 / 5.0)) if row.name == "damping_coefficient" else (1.0,)
+        if not any(abs(ratio / form - 1.0) <= CLOSE for form in forms):
+            lines.append(
+                f"column {row.name}: is {ratio:.3g} times what its formula gives (median of the "
+                "rows); check its unit and its sign"
+            )
+    return lines
+
+
+def _capped(lines: list[str]) -> list[str]:
+    if len(lines) <= MOST_LINES:
+        return lines
+    return [*lines[:MOST_LINES], f"and {len(lines) - MOST_LINES} more such lines"]

@@ -1,0 +1,339 @@
+"""Figures of the verification study: ours as lines, what is known as dashes or points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from abradem.figures import style
+
+_EXACT = {"color": style.BLACK, "ls": "--", "lw": 0.9, "label": "exact", "zorder": 3}
+_SMALL = {"ms": 2.5, "lw": 0.8}
+
+
+def _finish(figure: Figure, panels, caption: str, legend_of=None) -> Figure:
+    for index, panel in enumerate(panels):
+        title = panel.get_title(loc="left")
+        panel.set_title(f"{style.letter(index)} {title}", loc="left")
+    shown = panels if legend_of is None else [legend_of]
+    handles = {}
+    for panel in shown:
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    if handles:
+        figure.legend(
+            handles.values(), handles.keys(), loc="outside upper center",
+            ncols=min(len(handles), 4 if figure.get_figwidth() > style.COLUMN + 0.1 else 2),
+        )  # fmt: skip
+    style.caption(figure, caption)
+    return figure
+
+
+def restitution_figure(restitution: pd.DataFrame) -> Figure:
+    """Damping and rebound against e for the three normal laws."""
+    with style.style():
+        figure, (left, right) = style.panels(2, 2, 2.2)
+        e = restitution["restitution"]
+        left.plot(e, restitution["exact_beta"], color=style.BLUE, label="rebounds at e")
+        left.plot(e, restitution["nominal_beta"], color=style.RED, label="textbook")
+        left.set_title("damping", loc="left")
+        left.set_xlabel("Restitution $e$")
+        left.set_ylabel(r"$\beta$")
+        for name, words, colour, marker in (
+            ("exact", "rebounds at e", style.BLUE, "o"),
+            ("clipped", "textbook, never attractive", style.GREEN, "s"),
+            ("attractive", "textbook, attractive", style.PURPLE, "^"),
+        ):
+            right.plot(
+                e, restitution[f"rebound_{name}"], marker, color=colour, label=words, **_SMALL
+            )
+        right.plot([0, 1], [0, 1], **_EXACT)
+        right.set_title("rebound of a normal impact", loc="left")
+        right.set_xlabel("Restitution $e$")
+        right.set_ylabel("Rebound over approach speed")
+        for panel in (left, right):
+            panel.set_xlim(0, 1)
+            panel.set_ylim(0, None)
+        return _finish(figure, (left, right), "converged single impacts, 500 steps per contact")
+
+
+def slip_figure(angles: pd.DataFrame) -> Figure:
+    """Elastic impacts over the angle, with the branch that slips throughout."""
+    labels = {
+        "total": r"total / $m v^2$", "tangential": "$v_t'$ / $v$", "spin": r"$\omega' R$ / $v$",
+    }  # fmt: skip
+    with style.style():
+        figure, panels = style.panels(3, 3, 2.0)
+        for panel, (quantity, words) in zip(panels, labels.items(), strict=True):
+            part = angles[angles["quantity"] == quantity]
+            for colour, (mu, one) in zip(
+                style.PALETTE, part.groupby("static_friction"), strict=False
+            ):
+                panel.plot(one["angle"], one["ours"], "o", color=colour, label=f"µ = {mu:g}",
+                           **_SMALL)  # fmt: skip
+                panel.plot(one["angle"], one["exact"], **_EXACT)
+            panel.set_xlabel("Angle from the normal (°)")
+            panel.set_ylabel(words)
+            panel.set_xlim(0, 90)
+            panel.set_title(quantity, loc="left")
+        return _finish(figure, panels, "e = 1; dashed: closed form where the impact slips")
+
+
+def convergence_figure(convergence: pd.DataFrame) -> Figure:
+    """Mean absolute error of each reading against the steps per contact."""
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 2.6, style.COLUMN)
+        absolute = convergence.assign(error=convergence["error"].abs())
+        for colour, (reading, part) in zip(
+            style.PALETTE, absolute.groupby("reading", sort=False), strict=False
+        ):
+            mean = part.groupby("steps")["error"].mean()
+            panel.loglog(mean.index, mean, "o-", color=colour, label=reading, **_SMALL)
+        steps = np.array([16.0, 256.0])
+        panel.loglog(steps, 0.01 * (16.0 / steps), color=style.GREY, lw=0.7, ls=":",
+                     label="first order")  # fmt: skip
+        panel.set_xlabel("Steps per contact")
+        panel.set_ylabel("Mean error over the reading's mean")
+        panel.set_title("convergence", loc="left")
+        return _finish(
+            figure, [panel], "e = 0.2, 0.5, 0.8 and four angles, mean over the phase of entry"
+        )
+
+
+_AXES = {
+    "1": "Time over duration of contact", "2": "", "3": "Restitution $e$",
+    "4": "Impact angle (°)", "5": r"$v_t$ / ($\mu v_n$)", "6": "Spin before (rad/s)",
+    "7": "Spin before (rad/s)", "8": "Spin before (rad/s)",
+}  # fmt: skip
+_WORDS = {
+    "force over time": "Force over its exact largest", "force": "Largest force (N)",
+    "duration": "Duration (s)", "rebound": "Rebound over approach", "velocity":
+    "Tangential velocity after (m/s)", "spin": "Spin after (rad/s)",
+    "tangential restitution": "$v_t'$ / $v_t$", "rebound angle": "Rebound angle (°)",
+}  # fmt: skip
+
+
+def chung_ooi_figure(tests: pd.DataFrame, measured: pd.DataFrame, number: str) -> Figure:
+    """One of the eight tests: ours by material, the exact branch, the experiment."""
+    with style.style():
+        part = tests[tests["test"].str.split().str[0] == number]
+        quantities = list(dict.fromkeys(part["quantity"]))
+        count = len(quantities)
+        width = style.COLUMN if count == 1 else style.PAGE
+        figure, panels = style.panels(count, min(count, 3), 2.2, width)
+        for panel, quantity in zip(panels, quantities, strict=True):
+            rows = part[part["quantity"] == quantity]
+            for colour, marker, (test, one) in zip(
+                (style.BLUE, style.RED), ("o", "s"), rows.groupby("test", sort=False), strict=False
+            ):
+                material = test.partition(" ")[2] or "ours"
+                if number == "2":
+                    panel.bar(material, one["ours"].iloc[0], color=colour, width=0.5)
+                    panel.hlines(one["exact"], *_slot(panel), color=style.BLACK, ls="--",
+                                 lw=0.9, label="exact")  # fmt: skip
+                    continue
+                panel.plot(one["value"], one["ours"], marker, color=colour, label=material,
+                           **_SMALL)  # fmt: skip
+                panel.plot(one["value"], one["exact"], **_EXACT)
+            points = measured[(measured["test"] == number) & (measured["quantity"] == quantity)]
+            if len(points):
+                panel.plot(points["angle"], points["value"], "x", color=style.RED, ms=4,
+                           label="experiment")  # fmt: skip
+            panel.set_title(quantity, loc="left")
+            panel.set_xlabel(_AXES[number])
+            words = _WORDS[quantity]
+            if number == "5":
+                words = r"Surface velocity after / ($\mu v_n$)"
+            panel.set_ylabel(words)
+        return _finish(
+            figure, panels, f"test {number} of Chung & Ooi (2011); dashed: exact branch"
+            + ("; experiment: Kharaz et al. (2001)" if number == "4" else "")
+        )  # fmt: skip
+
+
+def _slot(panel) -> tuple[float, float]:
+    place = len(panel.patches) - 1
+    return place - 0.35, place + 0.35
+
+
+def codes_figure(impacts: pd.DataFrame) -> Figure:
+    """Other codes as points, ours under the same options as lines: total, spin and v_t'."""
+    shown = {"total": "total (J)", "spin": "Spin (rad/s)", "tangential_velocity": "$v_t'$ (m/s)"}
+    with style.style():
+        figure, panels = style.panels(3, 3, 2.4)
+        half = impacts[impacts["restitution"] == 0.5]
+        groups = list(half.groupby(["code", "variant"], sort=False))
+        markers = "os^vDPX*<>"
+        for panel, (quantity, words) in zip(panels, shown.items(), strict=True):
+            for index, ((code, variant), part) in enumerate(groups):
+                one = part[part["quantity"] == quantity].sort_values("angle")
+                colour = style.PALETTE[index % len(style.PALETTE)]
+                panel.plot(one["angle"], one["ours"], color=colour, lw=0.8)
+                panel.plot(one["angle"], one["reference"], markers[index % len(markers)],
+                           color=colour, label=f"{code}: {variant}", ms=2.8)  # fmt: skip
+            panel.set_xlabel("Angle from the normal (°)")
+            panel.set_ylabel(words)
+            panel.set_title(quantity.replace("_", " "), loc="left")
+        handles, labels = panels[0].get_legend_handles_labels()
+        for index, panel in enumerate(panels):
+            panel.set_title(f"{style.letter(index)} {panel.get_title(loc='left')}", loc="left")
+        figure.legend(handles, labels, loc="outside upper center", ncols=2)
+        style.caption(figure, "e = 0.5, µ = 0.45, 3.9 m/s; lines: ours under the same options")
+        return figure
+
+
+def time_step_figure(mean: pd.DataFrame, jets: pd.DataFrame) -> Figure:
+    """Bias of the readings against the step, single impacts and jets."""
+    with style.style():
+        figure, panels = style.panels(2, 2, 2.3)
+        left, right = panels
+        for colour, (e, part) in zip(
+            style.PALETTE,
+            mean[(mean["reading"] == "total")].groupby("restitution"),
+            strict=False,
+        ):
+            for ls, (speed, one) in zip(("-", ":"), part.groupby("speed"), strict=False):
+                one = one[one["fraction"] <= 0.2].sort_values("fraction")
+                left.plot(one["fraction"], 100.0 * one["bias"], marker="o", ls=ls, color=colour,
+                          label=f"e = {e:g}, {speed:g} m/s", **_SMALL)  # fmt: skip
+        for colour, ((reading, angle), one) in zip(
+            style.PALETTE, jets.groupby(["reading", "plate_angle"], sort=False), strict=False
+        ):
+            one = one[one["fraction"] <= 0.2].sort_values("fraction")
+            right.errorbar(one["fraction"], 100.0 * one["bias"], 100.0 * one["bias_stderr"],
+                           color=colour, marker="o", label=f"jet: {reading}, {angle:g}°",
+                           **_SMALL)  # fmt: skip
+        left.set_title("total, single impacts, over the angles", loc="left")
+        right.set_title("jets", loc="left")
+        for panel in panels:
+            panel.axhspan(-1.0, 1.0, color=style.LIGHT_GREY, lw=0, zorder=0)
+            panel.set_xlabel("Step over the Rayleigh time")
+            panel.set_ylabel("Bias (%)")
+        return _finish(figure, panels, "grey: 1 %; single impacts over all phases of entry")
+
+
+def coverage_figure(replicates: pd.DataFrame) -> Figure:
+    """Rates of replicates with their standard errors, and those that miss the mean."""
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 2.2, style.PAGE)
+        ordered = replicates.sort_values("rate").reset_index(drop=True)
+        mean = ordered["rate"].mean()
+        for held, colour in ((1.0, style.BLUE), (0.0, style.RED)):
+            one = ordered[ordered["covered"] == held]
+            panel.errorbar(
+                one.index, one["rate"] / mean, 2.093 * one["rate_stderr"] / mean, fmt=".",
+                color=colour, ms=2, lw=0.5,
+                label=f"interval {'holds' if held else 'misses'} the mean ({len(one)})",
+            )  # fmt: skip
+        panel.axhline(1.0, color=style.BLACK, lw=0.7)
+        panel.set_xlabel("Replicate, by its rate")
+        panel.set_ylabel("Rate over mean of all")
+        panel.set_title("95 % intervals of batch means", loc="left")
+        return _finish(figure, [panel], "one jet, replicates differ in the seed")
+
+
+def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:
+    """Depth against time, and slope against the plate's and the factory's angle."""
+    with style.style():
+        figure, panels = style.panels(3, 3, 2.3)
+        first = series[series["scene"] == series["scene"].iloc[0]]
+        power = style.decade(first["depth"].max())
+        for index, (angle, one) in enumerate(first.groupby("plate_angle")):
+            shade = index / max(first["plate_angle"].nunique() - 1, 1)
+            panels[0].plot(one["time"], one["depth"] / 10.0**power, lw=0.8,
+                           color=(0.0, 0.45 * (1 - shade) + 0.2, 0.9 - 0.6 * shade))  # fmt: skip
+            panels[0].annotate(f"{angle:g}°", (one["time"].iloc[-1],
+                               one["depth"].iloc[-1] / 10.0**power), fontsize=5.5)  # fmt: skip
+        panels[0].set_xlabel("Time (s)")
+        panels[0].set_ylabel(f"Mean depth ({style.scaled_unit(power, 'mm')})")
+        panels[0].set_title("plate angles", loc="left")
+        power = style.decade(rates["depth_rate"].max())
+        plate = rates[rates["scene"].str.startswith("plate")]
+        for colour, (factory, one) in zip(
+            (style.BLUE, style.RED), plate.groupby("factory_angle"), strict=False
+        ):
+            panels[1].errorbar(
+                one["plate_angle"], one["depth_rate"] / 10.0**power,
+                one["depth_stderr"] / 10.0**power, color=colour, marker="o",
+                label=f"factory {factory:+g}°", **_SMALL,
+            )  # fmt: skip
+        panels[1].set_xlabel("Plate angle (°)")
+        one = rates[rates["scene"].str.startswith("factory")]
+        panels[2].errorbar(
+            one["factory_angle"], one["depth_rate"] / 10.0**power,
+            one["depth_stderr"] / 10.0**power, color=style.GREEN, marker="o", label="plate 45°",
+            **_SMALL,
+        )  # fmt: skip
+        panels[2].set_xlabel("Factory angle (°)")
+        for panel, words in zip(panels[1:], ("plate varied", "factory varied"), strict=True):
+            panel.set_ylabel(f"Depth rate ({style.scaled_unit(power, 'mm/s')})")
+            panel.set_ylim(0, None)
+            panel.set_title(words, loc="left")
+        return _finish(figure, panels, "stones at rest, W = 1e-10 /Pa; bars: standard error")
+
+
+def conveyor_figure(rates: pd.DataFrame) -> Figure:
+    """Depth rates under the assumed loads and the published order."""
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 2.6, style.PAGE)
+        panel.barh(rates["scene"], rates["depth_rate"], color=style.BLUE, height=0.6)
+        panel.set_xscale("log")
+        panel.axvline(1e-6, color=style.RED, ls="--", lw=0.9, label="published order")
+        panel.set_xlabel("Depth rate (mm/s)")
+        panel.invert_yaxis()
+        panel.set_title("screw conveyor", loc="left")
+        return _finish(figure, [panel], "W = 1e-11 /Pa; tests the order of magnitude only")
+
+
+def trends_figure(measurements: pd.DataFrame, exponents: pd.DataFrame) -> Figure:
+    """Wear against each quantity on logarithmic axes, with the expected slope."""
+    with style.style():
+        figure, panels = style.panels(len(exponents), 3, 1.9)
+        for panel, row in zip(panels, exponents.to_dict("records"), strict=True):
+            part = measurements[measurements["quantity"] == row["quantity"]]
+            mean = part.groupby("factor")["value"].mean()
+            panel.loglog(part["factor"], part["value"], ".", color=style.BLUE, ms=2)
+            base = mean.iloc[0] * (mean.index / mean.index[0]) ** row["expected"]
+            panel.loglog(mean.index, base, **(_EXACT | {"label": "expected slope"}))
+            panel.set_title(row["quantity"], loc="left", fontsize=7)
+            panel.set_xlabel("Factor or speed")
+            panel.set_ylabel("Wear")
+            panel.text(0.05, 0.88, f"{row['exponent']:.3f} ± {row['exponent_stderr']:.3f}",
+                       transform=panel.transAxes, fontsize=7)  # fmt: skip
+        return _finish(figure, panels, "points: replicates; number: fitted exponent")
+
+
+def heap_figure(heap: pd.DataFrame) -> Figure:
+    """Stones resting on the plate: height against distance from the axis."""
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 2.2, style.COLUMN)
+        panel.plot(1e3 * heap["x"], 1e3 * heap["height"], "o", color=style.BLUE, ms=3, alpha=0.5)
+        panel.set_xlabel("Distance from the axis (mm)")
+        panel.set_ylabel("Height (mm)")
+        panel.set_title("heap on a level plate", loc="left")
+        panel.set_ylim(0, None)
+        return _finish(figure, [panel], "centres of the stones at rest")
+
+
+def _chung_ooi(number: int):
+    def figure(tests: pd.DataFrame, measured: pd.DataFrame) -> Figure:
+        return chung_ooi_figure(tests, measured, str(number))
+
+    return figure
+
+
+FIGURES = {
+    "restitution": restitution_figure,
+    "slip": slip_figure,
+    "convergence": convergence_figure,
+    "codes": codes_figure,
+    "time_step": time_step_figure,
+    "coverage": coverage_figure,
+    "steady_state": steady_figure,
+    "conveyor": conveyor_figure,
+    "trends": trends_figure,
+    "heap": heap_figure,
+    **{f"chung_ooi_{number}": _chung_ooi(number) for number in range(1, 9)},
+}
+"""Functions by the name of the figure; the workflow knows the tables that each takes."""

@@ -1,0 +1,192 @@
+"""Fully connected networks, many small ones trained fast and reproducibly.
+
+Hidden layers are rectified linear units, the output is one number, the loss the mean squared
+error of a mini-batch. Such a network is small enough that bookkeeping and the optimiser's memory
+traffic decide the time, so all weights of one lie in one flat vector and the gradient is written
+out by hand. With activations a_0 = x, a_i = max(0, a_(i-1) W_i + b_i) and error
+d = dL/d(a_(i-1) W_i + b_i), layer by layer from the last::
+
+    dL/dW_i = a_(i-1)' d      dL/db_i = sum d      d <- (d W_i') [a_(i-1) > 0]
+
+Networks of equal depth can share one batched computation, each padded with zeros to the widest
+of each layer: the gradient of a padded weight is zero, so padding stays zero. That is no gain on
+a processor, where networks go one by one, and the way to use a graphics card.
+
+Start weights (uniform within sqrt(6 / (in + out)), Glorot and Bengio 2010) and the order of rows
+come from the network's own seed, and one thread computes it, so that its score depends neither
+on its neighbours nor on the number of cores.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+Layers = tuple[int, ...]
+"""Neurons of the hidden layers."""
+
+
+class Training(NamedTuple):
+    """Settings of the optimiser (Adam); the defaults are those of the study's searches."""
+
+    epochs: int = 20
+    batch: int = 32
+    learning_rate: float = 1e-3
+
+
+class Network(NamedTuple):
+    """Weights (in, out) and biases (out,) of every layer, single precision."""
+
+    weights: list[np.ndarray]
+    biases: list[np.ndarray]
+
+    def predict(self, rows: np.ndarray) -> np.ndarray:
+        """Output for rows, shape (n,)."""
+        values = rows.astype(np.float32)
+        for layer, (weights, biases) in enumerate(zip(self.weights, self.biases, strict=True)):
+            values = np.maximum(values, 0.0) if layer else values
+            values = values @ weights + biases
+        return values[:, 0].astype(float)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The arrays by name, for a file."""
+        named = {}
+        for layer, (weights, biases) in enumerate(zip(self.weights, self.biases, strict=True)):
+            named[f"weights_{layer}"], named[f"biases_{layer}"] = weights, biases
+        return named
+
+
+def network_of(arrays: dict[str, np.ndarray]) -> Network:
+    """The network that `Network.arrays` named."""
+    count = sum(name.startswith("weights_") for name in arrays)
+    return Network(*([arrays[f"{kind}_{i}"] for i in range(count)] for kind in _KINDS))
+
+
+_KINDS = ("weights", "biases")
+
+
+def parameters_of(inputs: int, hidden: Layers) -> int:
+    """Number of weights and biases."""
+    sizes = (inputs, *hidden, 1)
+    return sum((a + 1) * b for a, b in pairwise(sizes))
+
+
+def start(inputs: int, hidden: Layers, seed: int, heritage: Network | None = None) -> Network:
+    """Start weights from a seed; ``heritage`` replaces what overlaps with its own layers.
+
+    Hidden layers are matched from the input on, the output layer with the output layer.
+    """
+    rng = np.random.default_rng([seed, 0])
+    sizes = (inputs, *hidden, 1)
+    weights, biases = [], []
+    for a, b in pairwise(sizes):
+        reach = np.sqrt(6.0 / (a + b))
+        weights.append(rng.uniform(-reach, reach, (a, b)).astype(np.float32))
+        biases.append(np.zeros(b, dtype=np.float32))
+    if heritage is not None:
+        last, theirs = len(weights) - 1, len(heritage.weights) - 1
+        for mine, other in [*((i, i) for i in range(min(last, theirs))), (last, theirs)]:
+            old, bias = heritage.weights[other], heritage.biases[other]
+            a, b = (min(p, q) for p, q in zip(weights[mine].shape, old.shape, strict=True))
+            weights[mine][:a, :b] = old[:a, :b]
+            biases[mine][:b] = bias[:b]
+    return Network(weights, biases)
+
+
+def train(
+    starts: Sequence[Network],
+    seeds: Sequence[int],
+    x: np.ndarray,
+    y: np.ndarray,
+    training: Training = Training(),  # noqa: B008  (immutable)
+    device: str = "cpu",
+) -> list[Network]:
+    """Train networks of equal depth together.
+
+    Parameters
+    ----------
+    starts : sequence of Network
+    seeds : sequence of int
+        Of the order of rows, one for each network.
+    x : ndarray, shape (n, f)
+    y : ndarray, shape (n,)
+    training : Training
+    device : {"cpu", "cuda"}
+
+    Returns
+    -------
+    list of Network
+    """
+    import torch
+
+    count, depth = len(starts), len(starts[0].weights)
+    shapes = [
+        tuple(max(side) for side in zip(*(net.weights[i].shape for net in starts), strict=True))
+        for i in range(depth)
+    ]
+    total = sum((a + 1) * b for a, b in shapes)
+    flat = np.zeros((count, total), dtype=np.float32)
+    for row, net in zip(flat, starts, strict=True):
+        for (weights, bias), w, b in zip(_views(row[None], shapes), *net, strict=True):
+            weights[0, : w.shape[0], : w.shape[1]] = w
+            bias[0, 0, : len(b)] = b
+    parameters = torch.from_numpy(flat).to(device).requires_grad_()
+    parameters.grad = torch.zeros_like(parameters)
+    adam = torch.optim.Adam([parameters], lr=training.learning_rate, fused=True)
+    rows = torch.from_numpy(x.astype(np.float32)).to(device)
+    target = torch.from_numpy(y.astype(np.float32)).to(device)[:, None]
+    rngs = [np.random.default_rng([seed, 1]) for seed in seeds]
+    with torch.no_grad():
+        layers = list(_views(parameters, shapes))
+        gradients = list(_views(parameters.grad, shapes))
+        if count == 1:
+            # Plain matrix products are quicker than batches of one.
+            layers, gradients = ([(w[0], b[0]) for w, b in part] for part in (layers, gradients))
+        for _ in range(training.epochs):
+            order = np.stack([rng.permutation(len(y)) for rng in rngs])
+            order = torch.from_numpy(order[0] if count == 1 else order).to(device)
+            shuffled, wanted = rows[order], target[order]
+            for first in range(0, len(y), training.batch):
+                part = slice(first, first + training.batch)
+                _backward(torch, layers, gradients, shuffled[..., part, :], wanted[..., part, :])
+                adam.step()
+    flat = parameters.detach().cpu().numpy()
+    trained = []
+    for row, net in zip(flat, starts, strict=True):
+        parts = list(zip(_views(row[None], shapes), *net, strict=True))
+        trained.append(
+            Network(
+                [w[0, : own.shape[0], : own.shape[1]].copy() for (w, _), own, _ in parts],
+                [b[0, 0, : len(own)].copy() for (_, b), _, own in parts],
+            )
+        )
+    return trained
+
+
+def _views(flat, shapes):
+    """Weights (count, in, out) and biases (count, 1, out) inside flat vectors (count, total)."""
+    place = 0
+    for a, b in shapes:
+        weights = flat[:, place : place + a * b].reshape(len(flat), a, b)
+        place += a * b
+        yield weights, flat[:, place : place + b].reshape(len(flat), 1, b)
+        place += b
+
+
+def _backward(torch, layers, gradients, rows, wanted) -> None:
+    """Gradient of the mean squared error of a mini-batch into ``gradients``."""
+    activations = [rows]
+    for layer, (weights, bias) in enumerate(layers):
+        value = torch.matmul(activations[-1], weights).add_(bias)
+        activations.append(value if layer == len(layers) - 1 else value.relu_())
+    error = (activations[-1] - wanted).mul_(2.0 / wanted.shape[-2])
+    for layer in reversed(range(len(layers))):
+        weights = layers[layer][0]
+        of_weights, of_bias = gradients[layer]
+        torch.matmul(activations[layer].mT, error, out=of_weights)
+        torch.sum(error, dim=-2, keepdim=True, out=of_bias)
+        if layer:
+            error = torch.matmul(error, weights.mT).mul_(activations[layer] > 0)

@@ -1,0 +1,66 @@
+"""Jets for the study: one cheap stone jet, and rates with their errors from its record."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from abradem.dem.model import Case, Interaction, Setup, SimulationResult
+from abradem.dem.steady import batch_means, steady_start
+from abradem.parameters import READINGS
+from abradem.verification.scenes import Scene, solid
+
+JET = Scene(
+    particle=solid(10e9, 0.25, 2800.0),
+    plate=solid(130e9, 0.28, 7000.0),
+    radius=0.02,
+    interaction=Interaction(0.5, 0.475, 0.05),
+)
+"""The middle of the sampled ranges, with stones large enough to be few."""
+
+
+class Rate(NamedTuple):
+    """Rate of F_n ds of the whole plate (W = 1) and its standard error, W."""
+
+    value: float
+    stderr: float
+    start: float
+
+
+def jet_case(**changes) -> Case:
+    """A case of the jet: 45 deg plate, level factory, 3 m/s downwards."""
+    values = {"plate_angle": 45.0, "factory_angle": 0.0, "particle_velocity_y": -3.0}
+    return JET.case(**(values | changes))
+
+
+def run(case: Case, setup: Setup, **options) -> SimulationResult:
+    """Simulate; a case that ends early is an error, for its rate would mean nothing."""
+    from abradem.dem import simulate
+
+    result = simulate(case, setup, **options)
+    if result.status != "ok":
+        raise RuntimeError(f"verification case ended early: {result.status} ({case})")
+    return result
+
+
+def rate_of(result: SimulationResult, reading: str = "total", start: float | None = None) -> Rate:
+    """Steady rate of a reading with its error from batch means.
+
+    Parameters
+    ----------
+    result : SimulationResult
+    reading : str
+    start : float, optional
+        End of the transient, s; by default from the transient rule on ``total``.
+    """
+    if start is None:
+        start = steady_start(result.time, result.worn[:, 0]).time
+    means = batch_means(result.time, result.worn[:, READINGS.index(reading)], start)
+    return Rate(means.rate, means.stderr, start)
+
+
+def spread(values) -> tuple[float, float]:
+    """Mean of replicates and its standard error."""
+    values = np.asarray(values, dtype=float)
+    return float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))

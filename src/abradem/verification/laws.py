@@ -1,0 +1,329 @@
+"""Part 1: every closed form, computed with a converged step; sweeps and order of convergence."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from abradem.dem.damping import exact_beta, nominal_beta
+from abradem.dem.model import ContactModel
+from abradem.verification import closed_forms as exact
+from abradem.verification.experiments import (
+    STEPS_PER_CONTACT,
+    head_on,
+    hertz_pair,
+    incline,
+    slide_to_roll,
+)
+from abradem.verification.scenes import NOMINAL_SPEED, Scene, solid
+from abradem.verification.table import Check, checks_table
+
+PART = 1
+SPEED = NOMINAL_SPEED
+
+BETA_ANCHORS = {
+    0.20: (0.7313, 0.325), 0.35: (0.4186, 0.434), 0.50: (0.2553, 0.550),
+    0.65: (0.1499, 0.675), 0.80: (0.0744, 0.808), 0.95: (0.0165, 0.9505),
+}  # fmt: skip
+"""Restitution: damping that rebounds at it, and rebound of the clipped textbook damping; from an
+integration of the scaled impact independent of this package."""
+
+SPHERE_PAIRS = {
+    "glass": (solid(48e9, 0.20, 2800.0), exact.Hertz(10697.0, 274.1e-6, 40.34e-6)),
+    "limestone": (solid(20e9, 0.25, 2500.0), exact.Hertz(7108.0, 368.3e-6, 54.20e-6)),
+}
+"""Two spheres of R 10 mm that meet at +-10 m/s (Chung & Ooi 2011, test 1)."""
+
+SPHERES_ON_PLANE = {
+    "aluminium alloy": (solid(70e9, 0.30, 2699.0), exact.Hertz(11370.0, 49.72e-6, 731.7e-6)),
+    "magnesium alloy": (solid(40e9, 0.35, 1800.0), exact.Hertz(7233.0, 52.12e-6, 767.1e-6)),
+}
+"""A sphere of R 100 mm on a rigid plane at 0.2 m/s (Chung & Ooi 2011, test 2)."""
+
+RIGID = solid(1e24, 0.30, 7800.0)
+
+SOFT = Scene(particle=solid(1e7, 0.25, 2500.0)).with_interaction(
+    restitution=0.3, static_friction=0.3
+)
+"""A soft sphere: its normal vibration dies away while it slides and rolls."""
+
+GRAVITY = 9.81
+
+
+def rebound_checks() -> list[Check]:
+    """Restitution of normal impacts and the damping behind it."""
+    checks = []
+    for e, (beta, clipped) in BETA_ANCHORS.items():
+        scene = Scene().with_interaction(restitution=e)
+        rebound = scene.impact(SPEED, 0.0).normal_velocity / SPEED
+        checks.append(Check(f"damping beta, e = {e:g}", exact_beta(e), beta, 6e-5, kind="absolute"))
+        checks.append(Check(f"rebound of a normal impact, e = {e:g}", rebound, e, 2e-3))
+        textbook = replace(scene, contact=ContactModel(normal="nominal_clipped"))
+        rebound = textbook.impact(SPEED, 0.0).normal_velocity / SPEED
+        checks.append(
+            Check(f"rebound, textbook beta clipped, e = {e:g}", rebound, clipped, 6e-4,
+                  kind="absolute")
+        )  # fmt: skip
+    return checks
+
+
+def hertz_checks() -> list[Check]:
+    """Force, overlap and duration of elastic impacts against the published numbers."""
+    checks = []
+    for name, (material, known) in SPHERE_PAIRS.items():
+        scene = Scene(material).with_interaction(restitution=1.0)
+        found = hertz_pair(scene, 10.0, known.duration)
+        checks += _hertz(f"two {name} spheres", found, known)
+    for name, (material, known) in SPHERES_ON_PLANE.items():
+        scene = Scene(material, RIGID, radius=0.1).with_interaction(restitution=1.0)
+        impact = scene.impact(0.2, 0.0)
+        found = exact.Hertz(impact.max_normal_force, impact.max_overlap, impact.contact_time)
+        checks += _hertz(f"{name} sphere on a rigid plane", found, known)
+    return checks
+
+
+def _hertz(words: str, found: exact.Hertz, known: exact.Hertz) -> list[Check]:
+    units = {"force": "N", "overlap": "m", "duration": "s"}
+    return [
+        Check(f"Hertz {name}, {words}", getattr(found, name), getattr(known, name), 5e-3, unit)
+        for name, unit in units.items()
+    ]
+
+
+def slip_checks() -> list[Check]:
+    """Impacts that slip throughout; e = 1, and e < 1 under the capped damping."""
+    checks = []
+    for mu, mu_r, e in ((0.3, 0.0, 1.0), (0.45, 0.0, 1.0), (0.3, 0.05, 1.0), (0.3, 0.0, 0.5)):
+        scene = Scene().with_interaction(
+            restitution=e, static_friction=mu, rolling_friction=mu_r
+        )
+        angle = exact.slip_angle_deg(mu, e, mu_r) + 5.0
+        v_n, v_t = _components(angle)
+        form = exact.gross_slip(scene.mass, scene.radius, v_n, v_t, mu, e, mu_r)
+        impact = scene.impact(SPEED, angle)
+        words = f"gross slip, mu = {mu:g}, mu_r = {mu_r:g}, e = {e:g}"
+        checks += [
+            Check(f"{words}: v_t'", impact.tangential_velocity, form.tangential_velocity, 5e-3,
+                  "m/s"),
+            Check(f"{words}: spin", -impact.spin[2], form.spin, 5e-3, "rad/s"),
+            Check(f"{words}: total", impact.total, form.total, 5e-3, "J"),
+        ]  # fmt: skip
+    return checks
+
+
+def book_checks() -> list[Check]:
+    """Friction work is the loss of slip energy for any tangential law; momentum is kept."""
+    checks = []
+    for tangential in ("incremental", "displacement"):
+        scene = Scene(contact=ContactModel(tangential=tangential))
+        for angle in (10.0, 40.0, 75.0):
+            impact = scene.impact(SPEED, angle)
+            after = impact.tangential_velocity + scene.radius * impact.spin[2]
+            book = exact.friction_book(scene.mass, _components(angle)[1], after)
+            checks.append(
+                Check(f"friction work = (m/7)(v_c^2 - v_c'^2), {tangential}, {angle:g} deg",
+                      impact.friction_work, book, 2e-3, "J")
+            )  # fmt: skip
+    scene = Scene().with_interaction(restitution=0.6)
+    film, _ = head_on(scene, 2.0, 1e-4, spins=((10, -50, 120), (30, 70, -20)), offset=0.006)
+    place = np.array([[film.of(k, i) for k in "xyz"] for i in (0, 1)])
+    speed = np.array([[film.of(f"v{k}", i) for k in "xyz"] for i in (0, 1)])
+    turn = np.array([[film.of(f"w{k}", i) for k in "xyz"] for i in (0, 1)])
+    angular = (np.cross(place, speed, axis=1) + 0.4 * scene.radius**2 * turn).sum(axis=0)
+    size = np.linalg.norm(angular[:, 0])
+    checks += [
+        Check("pair: linear momentum made, of that of one", np.abs(speed.sum(axis=0)).max() / 2.0,
+              0.0, 1e-12, kind="absolute"),
+        Check("pair: angular momentum made", np.abs(angular[:, -1] - angular[:, 0]).max() / size,
+              0.0, 1e-9, kind="absolute"),
+    ]  # fmt: skip
+    film, _ = head_on(Scene(), 2.0, 1e-4, spins=((0, 0, 200), (0, 0, -200)))
+    checks.append(
+        Check("two equal spheres, opposite spins: change of spin",
+              float(np.abs(film.of("wz", 0) - 200.0).max()), 0.0, 0.0, "rad/s", "absolute")
+    )  # fmt: skip
+    return checks
+
+
+def similarity_checks() -> list[Check]:
+    """Readings over m v^2 do not depend on speed, size, density or all moduli together."""
+    changes = {
+        "speed": (Scene(), 8.0),
+        "radius": (Scene(radius=0.04), SPEED),
+        "density": (Scene(solid(15e9, 0.25, 4000.0)), SPEED),
+        "all moduli": (Scene(solid(105e9, 0.25, 2500.0), solid(1400e9, 0.3, 7800.0)), SPEED),
+    }
+    base = Scene().impact(SPEED, 40.0).total / (Scene().mass * SPEED**2)
+    checks = []
+    for name, (scene, speed) in changes.items():
+        ours = scene.impact(speed, 40.0).total / (scene.mass * speed**2)
+        checks.append(Check(f"similarity: total/(m v^2), another {name}", ours, base, 1e-6))
+    return checks
+
+
+def plane_checks() -> list[Check]:
+    """Sliding into rolling, and the incline."""
+    form = exact.slide_to_roll(SOFT.mass, 1.0, 0.3, GRAVITY)
+    found = slide_to_roll(SOFT, 1.0)
+    checks = [
+        Check("slide to roll: final velocity 5/7 u0", found.velocity, form.velocity, 1e-4, "m/s"),
+        Check("slide to roll: slipping ends after", found.time, form.time, 5e-3, "s"),
+        Check("slide to roll: total = m u0^2/(7 mu)", found.total, form.total, 5e-3, "J"),
+    ]
+    for angle, mu_r, words in (
+        (20.0, 0.0, "rolls"), (20.0, 0.05, "rolls"), (60.0, 0.0, "slides"), (60.0, 0.05, "slides"),
+    ):  # fmt: skip
+        form = exact.incline_acceleration(angle, 0.3, mu_r, GRAVITY)
+        ours = incline(SOFT.with_interaction(rolling_friction=mu_r), angle)
+        checks.append(
+            Check(f"incline {angle:g} deg, mu_r = {mu_r:g}: {words}", ours, form, 2e-3, "m/s2")
+        )
+    rests = abs(incline(SOFT.with_interaction(rolling_friction=0.1), 5.0))
+    checks.append(
+        Check("incline 5 deg, mu_r = 0.1: rests", rests, 0.0, 1e-6, "m/s2", "absolute")
+    )
+    return checks
+
+
+def law_checks() -> list[Check]:
+    """What tells the laws apart: ``total`` at 30 degrees, e = 0.5, mu = 0.45."""
+    known = {
+        "default": (ContactModel(), 0.187),
+        "no tangential damping": (ContactModel(tangential_damping="none"), 0.384),
+        "displacement, undamped": (
+            ContactModel(tangential="displacement", tangential_damping="none"), 0.479,
+        ),
+    }  # fmt: skip
+    return [
+        Check(f"total/(m v^2) at 30 deg, {name}",
+              Scene(contact=model).impact(SPEED, 30.0).total / (Scene().mass * SPEED**2),
+              share, 6e-4, kind="absolute")
+        for name, (model, share) in known.items()
+    ]  # fmt: skip
+
+
+def fast_checks() -> list[Check]:
+    """All checks of this part but the order of convergence."""
+    return [
+        *rebound_checks(), *hertz_checks(), *slip_checks(), *book_checks(), *similarity_checks(),
+        *plane_checks(), *law_checks(),
+    ]  # fmt: skip
+
+
+def restitution_sweep() -> pd.DataFrame:
+    """Damping and rebound against e, for the three normal laws."""
+    rows = []
+    for e in np.round(np.arange(0.05, 1.0001, 0.05), 2):
+        row = {"restitution": e, "exact_beta": exact_beta(e), "nominal_beta": nominal_beta(e)}
+        for name, normal in (
+            ("exact", "exact_e"), ("clipped", "nominal_clipped"),
+            ("attractive", "nominal_attractive"),
+        ):  # fmt: skip
+            scene = Scene(contact=ContactModel(normal=normal)).with_interaction(restitution=e)
+            row[f"rebound_{name}"] = scene.impact(SPEED, 0.0).normal_velocity / SPEED
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def angle_sweep() -> pd.DataFrame:
+    """Elastic impacts over the angle, with the slip branch where it holds (else nan)."""
+    rows = []
+    for mu in (0.1, 0.3, 0.45):
+        scene = Scene().with_interaction(restitution=1.0, static_friction=mu)
+        unit = scene.mass * SPEED**2
+        for angle in np.arange(2.5, 88.0, 2.5):
+            v_n, v_t = _components(angle)
+            impact = scene.impact(SPEED, angle)
+            slips = angle > exact.slip_angle_deg(mu, 1.0)
+            form = exact.gross_slip(scene.mass, scene.radius, v_n, v_t, mu, 1.0)
+            values = {
+                "total": (impact.total / unit, form.total / unit),
+                "tangential": (
+                    impact.tangential_velocity / SPEED, form.tangential_velocity / SPEED,
+                ),
+                "spin": (
+                    -impact.spin[2] * scene.radius / SPEED, form.spin * scene.radius / SPEED,
+                ),
+            }  # fmt: skip
+            rows += [
+                {"static_friction": mu, "angle": angle, "quantity": name, "ours": ours,
+                 "exact": known if slips else math.nan}
+                for name, (ours, known) in values.items()
+            ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+READINGS = {"total": "total", "sliding": "sliding", "friction": "friction_work"}
+_STEPS = (8, 16, 32, 64, 128, 256)
+_FINE = 32
+"""Steps per contact from which the order of convergence is read."""
+_REFERENCE_STEPS = 8192
+_ANGLES = (20.0, 35.0, 50.0, 65.0)
+_PHASES = 32
+
+
+def convergence() -> pd.DataFrame:
+    """Error of each reading, averaged over the phase of entry, against the steps per contact.
+
+    The errors of a reading are shares of its mean over the angles: at steep angles ``sliding``
+    is next to nothing.
+    """
+    rows = []
+    for e in (0.2, 0.5, 0.8):
+        scene = Scene().with_interaction(restitution=e)
+        best, coarse = {}, {}
+        for angle in _ANGLES:
+            base = scene.impact(SPEED, angle)
+            duration = base.time_step * STEPS_PER_CONTACT
+            best[angle] = scene.impact(SPEED, angle, time_step=duration / _REFERENCE_STEPS)
+            for steps in _STEPS:
+                coarse[angle, steps] = [
+                    scene.impact(SPEED, angle, time_step=duration / steps, phase=phase)
+                    for phase in (np.arange(_PHASES) + 0.5) / _PHASES
+                ]
+        for name, attribute in READINGS.items():
+            scale = np.mean([getattr(one, attribute) for one in best.values()])
+            for (angle, steps), impacts in coarse.items():
+                mean = np.mean([getattr(one, attribute) for one in impacts])
+                rows.append(
+                    {"restitution": e, "angle": angle, "reading": name, "steps": steps,
+                     "error": (mean - getattr(best[angle], attribute)) / scale}
+                )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def orders(convergence: pd.DataFrame) -> pd.DataFrame:
+    """Slope of the mean absolute error against the step, both logarithmic, for fine steps."""
+    rows = []
+    fine = convergence[convergence["steps"] >= _FINE]
+    for reading, part in fine.groupby("reading", sort=False):
+        mean = part.assign(error=part["error"].abs()).groupby("steps")["error"].mean()
+        slope = -np.polyfit(np.log(mean.index), np.log(mean), 1)[0]
+        rows.append({"reading": reading, "exponent": slope})
+    return pd.DataFrame(rows)
+
+
+def study() -> dict[str, pd.DataFrame]:
+    """Return the tables of this part."""
+    errors = convergence()
+    order = orders(errors)
+    checks = fast_checks()
+    checks += [
+        Check(f"order of convergence in the step, {row.reading}", row.exponent, 0.8,
+              kind="at least", note="begin of contact and of slip are met to first order")
+        for row in order.itertuples()
+    ]  # fmt: skip
+    return {
+        "checks": checks_table(PART, checks),
+        "restitution": restitution_sweep(),
+        "angles": angle_sweep(),
+        "convergence": errors,
+    }
+
+
+def _components(angle_deg: float) -> tuple[float, float]:
+    angle = math.radians(angle_deg)
+    return SPEED * math.cos(angle), SPEED * math.sin(angle)

@@ -1,0 +1,138 @@
+"""Part 8: exponents without a reference solution, in dilute jets.
+
+Per unit mass wear grows as the square of the speed (gravity off: the speed of impact is that of
+release; with a height of fall H, v^2 + 2 g H; the plate is small, so that first impacts are
+nearly all); it does not depend on the mass of a stone at a
+fixed mass rate and is proportional to it at a fixed number rate; scaling all moduli changes
+nothing. Replicates differ in the seed; an exponent is fitted to each.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from abradem.verification.jets import JET, jet_case, run, spread
+from abradem.verification.scenes import solid
+from abradem.verification.table import Check, checks_table
+
+PART = 8
+REPLICATES = 8
+_FACTORS = (1.0, 2.0, 4.0)
+_DURATION = 20.0
+_PLATE_ANGLE = 55.0
+_GRAVITY = 9.81
+_HEIGHT = 0.25 - JET.radius / math.cos(math.radians(_PLATE_ANGLE))
+"""Mean height of fall: the centre of a stone that touches is R / cos phi above the plate, m."""
+
+
+def _setup(**changes):
+    base = {
+        "mass_rate": None, "number_rate": 8.0, "duration": _DURATION, "sample_interval": 0.1,
+        "time_step_fraction": 0.1, "plate_length": 0.15, "plate_width": 0.15,
+        "patch_length": 0.04, "patch_width": 0.04,
+    }  # fmt: skip
+    return JET.setup(**(base | changes))
+
+
+def _stiffer(factor: float):
+    particle, plate = JET.particle, JET.plate
+    return replace(
+        JET,
+        particle=replace(particle, shear_modulus=factor * particle.shear_modulus),
+        plate=replace(plate, shear_modulus=factor * plate.shear_modulus),
+    )
+
+
+def _denser(factor: float):
+    density = 1000.0 * factor
+    return replace(JET, particle=solid(10e9, 0.25, density))
+
+
+def _case(scene, seed: int, **changes):
+    return scene.case(
+        plate_angle=_PLATE_ANGLE, seed=seed, **({"particle_velocity_y": -3.0} | changes)
+    )
+
+
+def _per_mass(result) -> float:
+    """``total`` per kilogram that arrived, J/kg."""
+    return result.worn[-1, 0] / (result.delivered_mass[-1])
+
+
+def _rate(result) -> float:
+    return result.worn[-1, 0] / result.simulated_time
+
+
+def measurements() -> pd.DataFrame:
+    """Wear against each quantity, one row per replicate and factor.
+
+    ``factor`` is what the exponent belongs to: the change of the quantity.
+    """
+    mass_rate = 8.0 * jet_mass(1.0)
+    rows = []
+    for seed in range(REPLICATES):
+        for factor in _FACTORS:
+            speed = 2.0 * factor
+            still = run(_case(JET, seed, particle_velocity_y=-speed), _setup(gravity=1e-9))
+            rows.append(("speed, gravity off", factor, seed, _per_mass(still)))
+            fallen = run(_case(JET, seed, particle_velocity_y=-speed), _setup())
+            effective = math.sqrt(speed**2 + 2.0 * _GRAVITY * _HEIGHT)
+            rows.append(("speed with v^2 + 2 g H", effective, seed, _per_mass(fallen)))
+            scene = _denser(factor)
+            rows.append(
+                ("mass, fixed number rate", factor, seed, _rate(run(_case(scene, seed), _setup())))
+            )
+            setup = _setup(mass_rate=mass_rate, number_rate=None)
+            rows.append(
+                ("mass, fixed mass rate", factor, seed, _rate(run(_case(scene, seed), setup)))
+            )
+            scene = _stiffer(factor)
+            rows.append(("all moduli", factor, seed, _rate(run(_case(scene, seed), _setup()))))
+    return pd.DataFrame(rows, columns=["quantity", "factor", "replicate", "value"])
+
+
+def jet_mass(factor: float) -> float:
+    """Mass of a stone of the density series, kg."""
+    return _denser(factor).mass
+
+
+EXPECTED = {
+    "speed, gravity off": 2.0, "speed with v^2 + 2 g H": 2.0, "mass, fixed number rate": 1.0,
+    "mass, fixed mass rate": 0.0, "all moduli": 0.0,
+}  # fmt: skip
+
+SYSTEMATIC = 0.03
+"""What the step, second impacts and stones at the edge change."""
+
+
+def exponents(measurements: pd.DataFrame) -> pd.DataFrame:
+    """Mean exponent over the replicates with its standard error."""
+    rows = []
+    for quantity, part in measurements.groupby("quantity", sort=False):
+        slopes = [
+            np.polyfit(np.log(one["factor"]), np.log(one["value"]), 1)[0]
+            for _, one in part.groupby("replicate")
+        ]
+        mean, error = spread(slopes)
+        rows.append(
+            {"quantity": quantity, "exponent": mean, "exponent_stderr": error,
+             "expected": EXPECTED[quantity]}
+        )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def study() -> dict[str, pd.DataFrame]:
+    """Return the tables of this part."""
+    values = measurements()
+    table = exponents(values)
+    checks = [
+        Check(f"exponent of {row.quantity}", row.exponent, row.expected,
+              SYSTEMATIC + 2.0 * row.exponent_stderr, kind="absolute",
+              note=f"standard error {row.exponent_stderr:.2g}")
+        for row in table.itertuples()
+    ]  # fmt: skip
+    return {"checks": checks_table(PART, checks), "measurements": values, "exponents": table}

@@ -1,0 +1,17 @@
+"""The tests bite: an error planted into a copy of the engine makes a named check fail."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+
+from planted_errors import ERRORS, caught
+
+
+@pytest.mark.parametrize("name", [e.name for e in ERRORS if e.quick])
+def test_a_planted_error_is_caught(name, tmp_path):
+    error = next(e for e in ERRORS if e.name == name)
+    verdict = caught(error, tmp_path)
+    assert error.check in verdict, verdict

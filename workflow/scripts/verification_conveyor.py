@@ -1,0 +1,9 @@
+"""The paper's screw-conveyor check."""
+
+from abradem.joblog import log_to
+from abradem.verification import conveyor
+from abradem.verification.table import write
+
+log_to(snakemake.log[0])
+
+write(conveyor.study(), {name: snakemake.output[name] for name in snakemake.params.tables})

@@ -1,0 +1,9 @@
+"""Facets as bookkeeping; the books of a bed."""
+
+from abradem.joblog import log_to
+from abradem.verification import facets_and_bed
+from abradem.verification.table import write
+
+log_to(snakemake.log[0])
+
+write(facets_and_bed.study(), {name: snakemake.output[name] for name in snakemake.params.tables})

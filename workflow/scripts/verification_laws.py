@@ -1,0 +1,9 @@
+"""Closed forms, sweeps and the order of convergence."""
+
+from abradem.joblog import log_to
+from abradem.verification import laws
+from abradem.verification.table import write
+
+log_to(snakemake.log[0])
+
+write(laws.study(), {name: snakemake.output[name] for name in snakemake.params.tables})

@@ -1,0 +1,9 @@
+"""Standard errors against replicates."""
+
+from abradem.joblog import log_to
+from abradem.verification import statistics
+from abradem.verification.table import write
+
+log_to(snakemake.log[0])
+
+write(statistics.study(), {name: snakemake.output[name] for name in snakemake.params.tables})

@@ -1,0 +1,9 @@
+"""Exponents in dilute jets."""
+
+from abradem.joblog import log_to
+from abradem.verification import trends
+from abradem.verification.table import write
+
+log_to(snakemake.log[0])
+
+write(trends.study(), {name: snakemake.output[name] for name in snakemake.params.tables})
