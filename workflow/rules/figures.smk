@@ -1,78 +1,38 @@
-SHOWN = CONFIG.figures.series_cases
 FORMATS = CONFIG.figures.formats
+
+
+OF_SIMULATIONS = ["series", "quality", "maps"] if SIMULATED else []
+OF_LEARNING = [
+    "coefficients",
+    "residuals",
+    "predicted",
+    "penalised",
+    "selection",
+    "correlations",
+    "loadings",
+    "components",
+    "tree_depth",
+    "tree",
+    "ga_ann",
+    "comparison",
+    "predictions",
+]
+
+
+localrules:
+    figures,
 
 
 rule figures:
     input:
         expand(
             f"{RESULTS}/figures/{{name}}.{{format}}",
-            name=["series", "quality", "coefficients", "predicted", "maps"],
+            name=OF_SIMULATIONS + OF_LEARNING,
             format=FORMATS,
         ),
 
 
-# One rule for each figure: a change to one remakes only that one. Figures of single cases take
-# the shards that hold these, so that new blocks leave them as they are.
-rule figure_series:
-    input:
-        cases=shards_with(SHOWN, f"{RESULTS}/cases/block-{{block}}.parquet"),
-        series=shards_with(SHOWN, rules.simulate.output.series),
-        runs=shards_with(SHOWN, rules.simulate.output.runs),
-    output:
-        figure_files("series", "wear depth against time"),
-    log:
-        f"{LOGS}/figure_series.log",
-    conda:
-        "../envs/abradem.yaml"
-    params:
-        options={"shown": SHOWN, "min_batches": CONFIG.wear_rate.min_batches},
-        setup=SETUP,
-        formats=FORMATS,
-        code=CODE["figure_series"],
-    script:
-        "../scripts/figure_series.py"
-
-
-rule figure_maps:
-    input:
-        cases=shards_with(SHOWN, f"{RESULTS}/cases/block-{{block}}.parquet"),
-        maps=shards_with(SHOWN, rules.simulate.output.maps),
-        runs=shards_with(SHOWN, rules.simulate.output.runs),
-    output:
-        figure_files("maps", "wear on the plate"),
-    log:
-        f"{LOGS}/figure_maps.log",
-    conda:
-        "../envs/abradem.yaml"
-    params:
-        options={"shown": SHOWN},
-        setup=SETUP,
-        formats=FORMATS,
-        code=CODE["figure_maps"],
-    script:
-        "../scripts/figure_maps.py"
-
-
-rule figure_quality:
-    input:
-        rules.dataset.output,
-    output:
-        figure_files("quality", "quality of the wear rates"),
-    log:
-        f"{LOGS}/figure_quality.log",
-    conda:
-        "../envs/abradem.yaml"
-    params:
-        options={
-            "target_stderr": CONFIG.simulation.stop.target_stderr,
-            "good_r2": CONFIG.wear_rate.good_r2,
-        },
-        formats=FORMATS,
-        code=CODE["figure_quality"],
-    script:
-        "../scripts/figure_quality.py"
-
-
+# One rule for each figure, or few that one table makes: a change to one remakes only that one.
 rule figure_coefficients:
     input:
         table=rules.linear.output.coefficients,
@@ -105,3 +65,138 @@ rule figure_predicted:
         code=CODE["figure_predicted"],
     script:
         "../scripts/figure_predicted.py"
+
+
+rule figure_residuals:
+    input:
+        summary=rules.linear.output.summary,
+        residuals=rules.linear.output.residuals,
+        coefficients=rules.linear.output.coefficients,
+    output:
+        figure_files("residuals", "residuals of the linear regression"),
+    log:
+        f"{LOGS}/figure_residuals.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        formats=FORMATS,
+        code=CODE["figure_residuals"],
+    script:
+        "../scripts/figure_residuals.py"
+
+
+rule figure_penalised:
+    input:
+        paths=rules.penalised.output.paths,
+        validation=rules.penalised.output.validation,
+        weights=rules.penalised.output.weights,
+        summary=rules.penalised.output.summary,
+    output:
+        figure_files("penalised", "lasso and ridge"),
+    log:
+        f"{LOGS}/figure_penalised.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        formats=FORMATS,
+        code=CODE["figure_penalised"],
+    script:
+        "../scripts/figure_penalised.py"
+
+
+rule figure_selection:
+    input:
+        selection=rules.selection.output.selection,
+        summary=rules.selection.output.summary,
+    output:
+        figure_files("selection", "selection of features"),
+    log:
+        f"{LOGS}/figure_selection.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        formats=FORMATS,
+        code=CODE["figure_selection"],
+    script:
+        "../scripts/figure_selection.py"
+
+
+rule figure_pca:
+    input:
+        loadings=rules.pca.output.loadings,
+        scree=rules.pca.output.scree,
+        correlations=rules.pca.output.correlations,
+        curve=rules.pca.output.curve,
+        summary=rules.pca.output.summary,
+        model=rules.pca.output.model,
+    output:
+        correlations=figure_files("correlations", "correlations"),
+        loadings=figure_files("loadings", "principal components"),
+        curve=figure_files("components", "regression on components"),
+    log:
+        f"{LOGS}/figure_pca.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        formats=FORMATS,
+        code=CODE["figure_pca"],
+    script:
+        "../scripts/figure_pca.py"
+
+
+rule figure_trees:
+    input:
+        curve=rules.trees.output.curve,
+        importance=rules.trees.output.importance,
+        nodes=rules.trees.output.nodes,
+        summary=rules.trees.output.summary,
+    output:
+        curve=figure_files("tree_depth", "depth of the tree"),
+        tree=figure_files("tree", "decision tree"),
+    log:
+        f"{LOGS}/figure_trees.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        formats=FORMATS,
+        code=CODE["figure_trees"],
+    script:
+        "../scripts/figure_trees.py"
+
+
+rule figure_ga_ann:
+    input:
+        history=expand(rules.ga_ann.output.history, protocol=PROTOCOLS),
+        scores=expand(rules.ga_ann.output.scores, protocol=PROTOCOLS),
+        summaries=expand(rules.ga_ann.output.summary, protocol=PROTOCOLS),
+    output:
+        figure_files("ga_ann", "genetic search"),
+    log:
+        f"{LOGS}/figure_ga_ann.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        formats=FORMATS,
+        code=CODE["figure_ga_ann"],
+    script:
+        "../scripts/figure_ga_ann.py"
+
+
+rule figure_comparison:
+    input:
+        predictions=rules.scores.output.predictions,
+        comparison=rules.scores.output.comparison,
+        beside_paper=rules.scores.output.beside_paper,
+    output:
+        comparison=figure_files("comparison", "all models"),
+        predictions=figure_files("predictions", "predictions of all models"),
+    log:
+        f"{LOGS}/figure_comparison.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        table=CONFIG.study,
+        formats=FORMATS,
+        code=CODE["figure_comparison"],
+    script:
+        "../scripts/figure_comparison.py"

@@ -1,6 +1,25 @@
+PROTOCOLS = ["as_published", "honest"]
+LEARNING = CONFIG.learning
+# What all models share: the rows they are scored on.
+SPLITS = {
+    "test_share": LEARNING.test_share,
+    "repeats": LEARNING.repeats,
+    "seed": CONFIG.seed,
+}
+LEARNED_FROM = {"target": LEARNING.target, "name": CONFIG.study}
+# Stages that score models; each reruns alone, and the join follows.
+SCORED = ["linear", "penalised", "pca", "trees", *(f"ga_ann_{p}" for p in PROTOCOLS)]
+
+
+localrules:
+    learning,
+
+
 rule learning:
     input:
         f"{RESULTS}/learning/linear.json",
+        f"{RESULTS}/learning/selection.parquet",
+        f"{RESULTS}/learning/scores.parquet",
 
 
 rule linear:
@@ -13,16 +32,200 @@ rule linear:
             category="Models",
             labels={"model": "linear regression", "content": "equation"},
         ),
+        summary_arrays=f"{RESULTS}/learning/linear.safetensors",
         coefficients=f"{RESULTS}/learning/linear_coefficients.parquet",
-        scores=f"{RESULTS}/learning/scores.parquet",
-        predictions=f"{RESULTS}/learning/predictions.parquet",
+        residuals=f"{RESULTS}/learning/linear_residuals.parquet",
+        published=f"{RESULTS}/learning/linear_published.parquet",
+        scores=f"{RESULTS}/learning/linear_scores.parquet",
+        predictions=f"{RESULTS}/learning/linear_predictions.parquet",
     log:
         f"{LOGS}/linear.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        options=CONFIG.learning.linear.model_dump(),
-        seed=CONFIG.seed,
+        options={
+            "target": LEARNING.target,
+            "table": CONFIG.study,
+            "confidence": LEARNING.confidence,
+            **SPLITS,
+        },
         code=CODE["linear"],
     script:
         "../scripts/linear.py"
+
+
+rule penalised:
+    input:
+        rules.dataset.output,
+    output:
+        weights=f"{RESULTS}/learning/penalised_weights.parquet",
+        paths=f"{RESULTS}/learning/penalised_paths.parquet",
+        validation=f"{RESULTS}/learning/penalised_validation.parquet",
+        scores=f"{RESULTS}/learning/penalised_scores.parquet",
+        predictions=f"{RESULTS}/learning/penalised_predictions.parquet",
+        summary=f"{RESULTS}/learning/penalised.json",
+        lasso=f"{RESULTS}/learning/lasso.json",
+        lasso_arrays=f"{RESULTS}/learning/lasso.safetensors",
+        ridge=f"{RESULTS}/learning/ridge.json",
+        ridge_arrays=f"{RESULTS}/learning/ridge.safetensors",
+    log:
+        f"{LOGS}/penalised.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        table=LEARNED_FROM,
+        options={
+            **LEARNING.penalised.model_dump(),
+            "fold_count": LEARNING.folds,
+            **SPLITS,
+        },
+        code=CODE["penalised"],
+    script:
+        "../scripts/penalised.py"
+
+
+rule pca:
+    input:
+        rules.dataset.output,
+    output:
+        loadings=f"{RESULTS}/learning/pca_loadings.parquet",
+        scree=f"{RESULTS}/learning/pca_scree.parquet",
+        correlations=f"{RESULTS}/learning/pca_correlations.parquet",
+        curve=f"{RESULTS}/learning/pca_curve.parquet",
+        scores=f"{RESULTS}/learning/pca_scores.parquet",
+        predictions=f"{RESULTS}/learning/pca_predictions.parquet",
+        summary=f"{RESULTS}/learning/pca.json",
+        model=f"{RESULTS}/learning/pca_regression.json",
+        model_arrays=f"{RESULTS}/learning/pca_regression.safetensors",
+    log:
+        f"{LOGS}/pca.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        table=LEARNED_FROM,
+        options={
+            "fold_count": LEARNING.folds,
+            "confidence": LEARNING.confidence,
+            **SPLITS,
+        },
+        code=CODE["pca"],
+    script:
+        "../scripts/pca.py"
+
+
+rule selection:
+    input:
+        rules.dataset.output,
+    output:
+        selection=f"{RESULTS}/learning/selection.parquet",
+        summary=f"{RESULTS}/learning/selection.json",
+    log:
+        f"{LOGS}/selection.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        table=LEARNED_FROM,
+        options={
+            "count": LEARNING.selection.features,
+            "lasso_alpha": LEARNING.penalised.lasso_alpha,
+            "ridge_alpha": LEARNING.penalised.ridge_alpha,
+            **SPLITS,
+        },
+        code=CODE["selection"],
+    script:
+        "../scripts/selection.py"
+
+
+rule trees:
+    input:
+        rules.dataset.output,
+    output:
+        curve=f"{RESULTS}/learning/trees_curve.parquet",
+        nodes=f"{RESULTS}/learning/trees_nodes.parquet",
+        importance=f"{RESULTS}/learning/trees_importance.parquet",
+        scores=f"{RESULTS}/learning/trees_scores.parquet",
+        predictions=f"{RESULTS}/learning/trees_predictions.parquet",
+        summary=f"{RESULTS}/learning/trees.json",
+        tree=f"{RESULTS}/learning/tree.json",
+        tree_arrays=f"{RESULTS}/learning/tree.safetensors",
+        forest=f"{RESULTS}/learning/forest.json",
+        forest_arrays=f"{RESULTS}/learning/forest.safetensors",
+    log:
+        f"{LOGS}/trees.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        table=LEARNED_FROM,
+        options={
+            **LEARNING.trees.model_dump(),
+            "fold_count": LEARNING.folds,
+            "confidence": LEARNING.confidence,
+            **SPLITS,
+        },
+        code=CODE["trees"],
+    script:
+        "../scripts/trees.py"
+
+
+# One network per core, so it asks for as many cores as a generation has networks and takes what
+# there is; the result does not depend on it. An interrupted search resumes from its folder.
+rule ga_ann:
+    input:
+        rules.dataset.output,
+    output:
+        history=f"{RESULTS}/learning/ga_ann_{{protocol}}_history.parquet",
+        scores=f"{RESULTS}/learning/ga_ann_{{protocol}}_scores.parquet",
+        predictions=f"{RESULTS}/learning/ga_ann_{{protocol}}_predictions.parquet",
+        summary=report(
+            f"{RESULTS}/learning/ga_ann_{{protocol}}.json",
+            caption="../report/ga_ann_summary.rst",
+            category="Models",
+            labels={"model": "GA-ANN, {protocol}", "content": "architecture"},
+        ),
+        model=f"{RESULTS}/learning/ga_ann_{{protocol}}_model.json",
+        model_arrays=f"{RESULTS}/learning/ga_ann_{{protocol}}_model.safetensors",
+    log:
+        f"{LOGS}/ga_ann_{{protocol}}.log",
+    wildcard_constraints:
+        protocol="|".join(PROTOCOLS),
+    conda:
+        "../envs/abradem.yaml"
+    threads: LEARNING.ga_ann.population
+    params:
+        table=LEARNED_FROM,
+        networks=LEARNING.ga_ann.model_dump(),
+        options={
+            "features": LEARNING.selection.features,
+            "test_share": LEARNING.test_share,
+            "seed": CONFIG.seed,
+        },
+        folder=lambda wildcards: f"{RESULTS}/.ga_ann-{wildcards.protocol}",
+        code=CODE["ga_ann"],
+    script:
+        "../scripts/ga_ann.py"
+
+
+rule scores:
+    input:
+        scores=expand(f"{RESULTS}/learning/{{stage}}_scores.parquet", stage=SCORED),
+        predictions=expand(
+            f"{RESULTS}/learning/{{stage}}_predictions.parquet", stage=SCORED
+        ),
+    output:
+        scores=f"{RESULTS}/learning/scores.parquet",
+        predictions=f"{RESULTS}/learning/predictions.parquet",
+        comparison=f"{RESULTS}/learning/comparison.parquet",
+        beside_paper=f"{RESULTS}/learning/beside_paper.parquet",
+    log:
+        f"{LOGS}/scores.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={
+            "draws": LEARNING.bootstrap,
+            "confidence": LEARNING.confidence,
+            "seed": CONFIG.seed,
+        },
+        code=CODE["scores"],
+    script:
+        "../scripts/scores.py"

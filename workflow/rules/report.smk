@@ -4,9 +4,18 @@ report: "../report/workflow.rst"
 # Tables that the report offers for reading; the Parquet files stay the data.
 TABLES = {
     "linear_coefficients": rules.linear.output.coefficients,
-    "scores": rules.linear.output.scores,
-    "failures": rules.failures.output,
+    "linear_published": rules.linear.output.published,
+    "penalised_weights": rules.penalised.output.weights,
+    "selection": rules.selection.output.selection,
+    "scores": rules.scores.output.scores,
+    "comparison": rules.scores.output.comparison,
+    "beside_paper": rules.scores.output.beside_paper,
+    **({"failures": rules.failures.output} if SIMULATED else {}),
 }
+
+
+localrules:
+    documents,
 
 
 rule documents:
@@ -40,8 +49,9 @@ rule table:
 rule summary:
     input:
         dataset=rules.dataset.output[0],
-        failures=rules.failures.output[0],
+        failures=rules.failures.output[0] if SIMULATED else [],
         model=rules.linear.output.summary,
+        comparison=rules.scores.output.comparison,
     output:
         SUMMARY,
     log:
@@ -50,6 +60,7 @@ rule summary:
         "../envs/abradem.yaml"
     params:
         good_r2=CONFIG.wear_rate.good_r2,
+        external=CONFIG.dataset.external,
         code=CODE["summary"],
     script:
         "../scripts/summary.py"

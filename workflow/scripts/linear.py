@@ -6,7 +6,5 @@ from abradem.learning.linear import fit_linear, write_linear
 
 log_to(snakemake.log[0])
 
-result = fit_linear(
-    read_table(snakemake.input[0]), seed=snakemake.params.seed, **snakemake.params.options
-)
-write_linear(result, **dict(snakemake.output.items()))
+result = fit_linear(read_table(snakemake.input[0]), **snakemake.params.options)
+write_linear(result, dict(snakemake.output.items()))

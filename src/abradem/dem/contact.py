@@ -22,6 +22,10 @@ _DAMPING_CODES = {
 }
 
 
+_FLAT = 1e-24
+"""Square of the angle below which a tangent plane has not turned."""
+
+
 class Law(NamedTuple):
     """Constants of one kind of contact, SI."""
 
@@ -124,9 +128,10 @@ def entry_share(overlap, approach):
 def rotated(spring, n):
     """Return the spring turned into the plane normal to ``n``, its length kept."""
     length2 = spring[0] ** 2 + spring[1] ** 2 + spring[2] ** 2
-    if length2 == 0.0:
-        return spring
     along = spring[0] * n[0] + spring[1] * n[1] + spring[2] * n[2]
+    # On a flat face only rounding is left of it.
+    if along * along <= _FLAT * length2:
+        return spring
     x = spring[0] - along * n[0]
     y = spring[1] - along * n[1]
     z = spring[2] - along * n[2]

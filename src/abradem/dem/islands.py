@@ -95,9 +95,8 @@ def advance(problem, schedule, state, agenda, last_step):
             _refresh(problem, state)
             before = tally.live
             outcome = release_due(problem, schedule, state)
-            for new in range(before, tally.live):
-                if not _welcome(problem, state, agenda, new):
-                    outcome = STOP_CROWDED
+            if not _welcome(problem, state, agenda, before):
+                outcome = STOP_CROWDED
             if outcome != DONE:
                 break
         if clock.next_due <= tally.step + 1 and not _wake_due(problem, state, agenda):
@@ -307,38 +306,48 @@ def _wake_due(problem, state, agenda):
 
 
 @kernel
-def _welcome(problem, state, agenda, new):
-    """Take in a particle that was just released; False if a row is too full."""
+def _welcome(problem, state, agenda, first):
+    """Take in the particles from index ``first`` on, just released; False if a row is too full."""
     tally, clock = state.tally[0], agenda.clock[0]
-    particle = state.particles[new]
-    record_flight(agenda, particle, new)
-    agenda.asleep[new] = False
-    agenda.row_size[new] = 0
-    if _may_sleep(problem, state, agenda, new, tally.step):
-        agenda.asleep[new] = True
-    elif not _wake(problem, state, agenda, new, tally.step):
-        return False
+    for new in range(first, tally.live):
+        record_flight(agenda, state.particles[new], new)
+        agenda.asleep[new] = False
+        agenda.due[new] = NEVER
+        agenda.row_size[new] = 0
+    # Rows that were made before do not know them yet.
+    for k in range(clock.awake):
+        for new in range(first, tally.live):
+            if not _introduce(problem, state, agenda, agenda.awake[k], new):
+                return False
+    for new in range(first, tally.live):
+        if _may_sleep(problem, state, agenda, new, tally.step):
+            agenda.asleep[new] = True
+        elif not _wake(problem, state, agenda, new, tally.step):
+            return False
     if clock.limit < 0.0:
         return raise_limit(problem, state, agenda, -clock.limit, tally.step)
-    # Rows that were made before do not know it yet.
-    for k in range(clock.awake):
-        i = agenda.awake[k]
-        left = agenda.row_until[i] - tally.step
-        reach = 2.0 * problem.radius * (1.0 + SAFETY) + 2.0 * clock.limit * problem.dt * left
-        distance2 = centre_distance2(state.particles[i], particle)
-        if i == new or distance2 >= reach * reach:
-            continue
-        if agenda.row_size[i] == SLOTS:
-            if not make_row(problem, state, agenda, i, tally.step):
-                return False
-            continue
-        # It is the highest index of all, hence the last of the row.
-        near = agenda.rows[i, agenda.row_size[i]]
-        near.j = new
-        near.stiffness = 0.0
-        near.next_check = tally.step + 1 + steps_to_close(problem, clock.limit, distance2)
-        agenda.row_next[i] = min(agenda.row_next[i], near.next_check)
-        agenda.row_size[i] += 1
+    return True
+
+
+@kernel
+def _introduce(problem, state, agenda, i, new):
+    """Enter a new particle, the last of all, in the row of i; False if the row is too full."""
+    rows, size, limit = agenda.rows, agenda.row_size[i], agenda.clock[0].limit
+    now = state.tally[0].step
+    left = agenda.row_until[i] - now
+    reach = 2.0 * problem.radius * (1.0 + SAFETY) + 2.0 * limit * problem.dt * left
+    distance2 = centre_distance2(state.particles[i], state.particles[new])
+    if distance2 >= reach * reach or (size > 0 and rows[i, size - 1].j >= new):
+        return True
+    if size == SLOTS:
+        # Made anew it looks less far ahead, and knows all.
+        return make_row(problem, state, agenda, i, now)
+    near = rows[i, size]
+    near.j = new
+    near.stiffness = 0.0
+    near.next_check = now + 1 + steps_to_close(problem, limit, distance2)
+    agenda.row_next[i] = min(agenda.row_next[i], near.next_check)
+    agenda.row_size[i] = size + 1
     return True
 
 

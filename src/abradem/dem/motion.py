@@ -193,10 +193,7 @@ def touch_plate(problem, particle, tally, facet_wear):
         )
         share = 1.0
         if touched:
-            spring = (particle.plate_sx, particle.plate_sy, particle.plate_sz)
-            if not on_face:
-                # Round an edge the tangent plane turns; on the face it stays.
-                spring = rotated(spring, n)
+            spring = rotated((particle.plate_sx, particle.plate_sy, particle.plate_sz), n)
         else:
             share = entry_share(overlap, -half_speed * dt)
         du = (slide[0] * dt * share, slide[1] * dt * share, slide[2] * dt * share)

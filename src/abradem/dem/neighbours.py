@@ -116,11 +116,11 @@ def rebuild_pairs(problem, state):
 
 @kernel
 def append_pairs(problem, state, new):
-    """Add the pairs of one new particle to the list; False if they do not fit."""
+    """Add the pairs of a new particle with all before it; False if they do not fit."""
     tally, particles, pairs = state.tally[0], state.particles, state.pairs
     reach = (2.0 + SKIN) * problem.radius
-    for j in range(tally.live):
-        if j == new or particles[j].motion == GONE:
+    for j in range(new):
+        if particles[j].motion == GONE:
             continue
         if _distance2(particles[j], particles[new]) < reach * reach:
             p = tally.pairs

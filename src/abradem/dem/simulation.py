@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from abradem.dem import islands, synchronous
-from abradem.dem.agenda import grown_agenda
+from abradem.dem.agenda import grown_agenda, make_agenda
 from abradem.dem.contact import hertz_duration
 from abradem.dem.energy import energy_book
 from abradem.dem.model import Case, Setup, SimulationResult
@@ -130,9 +130,7 @@ class _Engine:
         self.problem, self.schedule = problem, schedule
         self.state = make_state(problem, FIRST_CAPACITY)
         # Only the stepping by islands keeps an agenda.
-        self.agenda = (
-            islands.make_agenda(problem, FIRST_CAPACITY) if stepping == "islands" else None
-        )
+        self.agenda = make_agenda(problem, FIRST_CAPACITY) if stepping == "islands" else None
 
     def advance(self, last_step: int, record_steps, recorder) -> int:
         """Step on to ``last_step``, recording on the way; return how that ended."""

@@ -62,7 +62,8 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
     Parameters
     ----------
     predictions : pandas.DataFrame
-        case_id, repeat, actual, predicted (mm/s) of held-out rows.
+        protocol, case_id, repeat, actual, predicted (mm/s) of held-out rows; those of the
+        model's protocol are shown.
     model : dict
         Summary of the model.
 
@@ -75,6 +76,7 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
     with style.style():
         figure, (panel,) = style.panels(1, 1, 3.0, style.COLUMN)
         unit = model["target"]["unit"]
+        predictions = predictions[predictions["protocol"] == model["protocol"]]
         actual = predictions["actual"].to_numpy(dtype=float)
         predicted = predictions["predicted"].to_numpy(dtype=float)
         low = min(actual.min(), predicted.min())
@@ -160,7 +162,7 @@ def _coefficient_limit(coefficients: pd.DataFrame) -> float:
 def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) -> list[str]:
     share = 100.0 * model["confidence"]
     rows = model["splits"]["rows"]
-    first = f"{_target_words(model)}; least squares on {rows} cases, all standardised"
+    first = f"{_target_words(model)}; least squares on all {rows} cases, standardised (protocol: {model['protocol']})"
     ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
     if not np.isfinite(ends).any():
         return [

@@ -17,7 +17,8 @@ The study's own net, 449-24-500-385, is trained alike without a search.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -74,6 +75,18 @@ class NetworkResult:
     summary: dict
 
 
+def settings(options: Mapping) -> dict:
+    """Arguments of `fit_networks` from the section of the configuration."""
+    options = dict(options)
+    rate = options.pop("learning_rate")
+    return {
+        "training": Training(options.pop("epochs"), options.pop("batch"), rate),
+        "final": Training(options.pop("final_epochs"), options.pop("final_batch"), rate),
+        "options": Options(**{name: options.pop(name) for name in Options._fields}),
+        **options,
+    }
+
+
 def honest_split(
     table: Table, train: np.ndarray, test: np.ndarray, validation_share: float, count: int, seed
 ) -> Split:
@@ -125,6 +138,7 @@ def fit_networks(
     cores: int = 1,
     device: str = "cpu",
     folder: str | Path | None = None,
+    code: str = "",
     progress: Callable[[str], None] | None = None,
 ) -> NetworkResult:
     """Search, train the found net again, score it.
@@ -150,7 +164,9 @@ def fit_networks(
     cores : int
     device : {"cpu", "cuda"}
     folder : path, optional
-        Where an interrupted search leaves its fitnesses.
+        Where an interrupted search leaves its fitnesses; removed at the end.
+    code : str
+        Hash of the code, without which those of another version would be taken.
     progress : callable, optional
     """
     results = Results(table)
@@ -167,7 +183,7 @@ def fit_networks(
         ours = _seed(seed, repeat)
         memory = Memory(
             folder and Path(folder) / f"search-{repeat}",
-            genetic.fingerprint(problem, options.weights, training, ours),
+            genetic.fingerprint(problem, options.weights, training, ours, code),
         )
         search = genetic.search(
             problem, options, training, ours, cores, device, memory,
@@ -182,8 +198,8 @@ def fit_networks(
         if repeat == 0:
             looks = _looks(table, split, paper.NETWORK, _seeds(ours, retrainings), *again)
             _score(results, PAPER_NET, protocol, 0, split, looks, None)
-    for path in sorted(Path(folder).glob("search-*")) if folder else ():
-        Memory(path).forget()
+    if folder:
+        shutil.rmtree(folder, ignore_errors=True)
     split, search = found[0]
     network, scalers = counted[0]
     scores = {name: scores_of(results.scores, name, protocol) for name in (MODEL, PAPER_NET)}

@@ -168,11 +168,6 @@ class Memory:
             self._networks[key] = network_of(read_arrays(self.folder / f"{key}.safetensors"))
         return self._networks[key]
 
-    def forget(self) -> None:
-        """Remove the folder."""
-        if self.folder is not None:
-            shutil.rmtree(self.folder, ignore_errors=True)
-
     def _write(self, line) -> None:
         with open(self._file, "a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")

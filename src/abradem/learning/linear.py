@@ -26,6 +26,7 @@ depends on the features.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -34,7 +35,6 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from abradem.dataset import write_table
 from abradem.learning.evaluation import (
     Predict,
     Results,
@@ -43,7 +43,7 @@ from abradem.learning.evaluation import (
     scaled,
     scalers_of_all_rows,
 )
-from abradem.learning.modelfile import about, write_model
+from abradem.learning.modelfile import about, write_stage
 from abradem.learning.paper import compare_equation
 from abradem.learning.protocols import (
     AS_PUBLISHED,
@@ -301,29 +301,18 @@ def fit_linear(
     )  # fmt: skip
 
 
-def write_linear(
-    result: LinearResult,
-    summary: str | Path,
-    arrays: str | Path,
-    coefficients: str | Path,
-    residuals: str | Path,
-    published: str | Path,
-    scores: str | Path,
-    predictions: str | Path,
-) -> None:
-    """Write the model (JSON, and ``arrays`` beside it as safetensors) and its tables (Parquet)."""
-    for frame, path in (
-        (result.coefficients, coefficients),
-        (result.residuals, residuals),
-        (result.published, published),
-        (result.scores, scores),
-        (result.predictions, predictions),
-    ):
-        write_table(frame, path)
-    if Path(arrays) != Path(summary).with_suffix(".safetensors"):
-        raise ValueError(f"{arrays} must stand beside {summary}")
+def write_linear(result: LinearResult, paths: Mapping[str, str | Path]) -> None:
+    """Write the model and its tables to ``paths``, see `abradem.learning.modelfile`."""
     found = result.coefficients["coefficient"].to_numpy()
-    write_model(result.summary, {"coefficients": found}, summary)
+    write_stage(
+        paths,
+        summary=(result.summary, {"coefficients": found}),
+        coefficients=result.coefficients,
+        residuals=result.residuals,
+        published=result.published,
+        scores=result.scores,
+        predictions=result.predictions,
+    )
 
 
 def _published_coefficients(table: Table) -> np.ndarray:

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from abradem.dataset import TableError, read_json, replacing, write_json
+from abradem.dataset import TableError, read_json, replacing, write_json, write_table
 from abradem.learning.table import Scaler, Table
 from abradem.parameters import FEATURE_NAMES, quantity
 
@@ -206,3 +206,27 @@ def predict_trees(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
             node[inner] = np.where(lower, arrays["left"][at], arrays["right"][at])
         total += arrays["value"][node]
     return total / len(arrays["root"])
+
+
+def write_stage(paths, **results) -> None:
+    """Write what a stage of the learning found, each to the path of its name.
+
+    Parameters
+    ----------
+    paths : mapping of str to path
+        A model (a pair of description and arrays) needs ``<name>`` and ``<name>_arrays``.
+    results : DataFrame (a table), dict (JSON) or pair (a model)
+    """
+    paths = dict(paths)
+    for name, result in results.items():
+        path = paths.pop(name)
+        if isinstance(result, pd.DataFrame):
+            write_table(result, path)
+        elif isinstance(result, dict):
+            write_json(result, path)
+        else:
+            if Path(paths.pop(f"{name}_arrays")) != Path(path).with_suffix(".safetensors"):
+                raise ValueError(f"the arrays of {name} must stand beside {path}")
+            write_model(*result, path)
+    if paths:
+        raise ValueError(f"nothing to write to {', '.join(map(str, paths.values()))}")

@@ -1,0 +1,158 @@
+"""All models and both protocols side by side."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from abradem.figures import style
+from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, MODELS, PROTOCOLS, minus
+
+LOWEST = -1.0
+SPLITS, FIXED = "repeated splits", "fixed split"
+
+
+def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, table: str) -> Figure:
+    """R2 of every model: printed, as published here, honest here with intervals.
+
+    Parameters
+    ----------
+    comparison, beside_paper : pandas.DataFrame
+        From `abradem.learning.comparison`.
+    table : str
+        Name of the table learned from.
+    """
+    models = list(beside_paper["model"])
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 0.9 + 0.29 * len(models))
+        places = np.arange(len(models))
+        lows = []
+        for shift, protocol, basis, marker in (
+            (-0.2, AS_PUBLISHED, FIXED, "o"),
+            (0.06, HONEST, SPLITS, "s"),
+            (0.26, HONEST, FIXED, "^"),
+        ):
+            rows = comparison[
+                (comparison["protocol"] == protocol) & (comparison["basis"] == basis)
+            ].set_index("model")
+            for place, model in zip(places, models, strict=True):
+                if model not in rows.index:
+                    continue
+                row = rows.loc[model]
+                colour = COLOURS[protocol]
+                light = 0.45 if (protocol, basis) == (HONEST, FIXED) else 1.0
+                if np.isfinite(row["r2_lower"]):
+                    panel.plot(
+                        [max(row["r2_lower"], LOWEST), row["r2_upper"]], [place + shift] * 2,
+                        color=colour, lw=1.2, alpha=light, clip_on=False,
+                    )  # fmt: skip
+                    lows.append(row["r2_lower"])
+                    if row["r2_lower"] < LOWEST:
+                        panel.plot(LOWEST, place + shift, "<", ms=3.5, color=colour, alpha=light)
+                shown = max(row["r2"], LOWEST)
+                panel.plot(shown, place + shift, marker, ms=4.0, color=colour, alpha=light)
+                lows.append(row["r2"])
+        printed = beside_paper["printed_r2"].to_numpy(dtype=float)
+        panel.plot(printed, places - 0.2, "|", ms=9.0, mew=1.6, color=style.BLACK, zorder=3)
+        low = min([0.0, *(value for value in lows if np.isfinite(value)),
+                   *printed[np.isfinite(printed)]])  # fmt: skip
+        panel.set_xlim(max(low, LOWEST) - 0.05, 1.02)
+        panel.axvline(0.0, color=style.BLACK, lw=0.5)
+        panel.set_yticks(places, [MODELS.get(model, model) for model in models])
+        panel.tick_params(axis="y", length=0)
+        panel.set_ylim(len(models) - 0.45, -0.55)
+        panel.grid(axis="x", color=style.LIGHT_GREY, lw=0.5)
+        panel.set_axisbelow(True)
+        panel.set_xlabel("$R^2$ on held-out rows")
+        figure.legend(handles=_handles(), loc="outside upper center", ncols=4)
+        style.caption(
+            figure,
+            f"table: {table}. As published: one split, choices made on all or on the test rows "
+            "(optimistic; the wrong target explains the last component, not the wear); interval: "
+            "bootstrap of its test rows. Honest: median and central share of the repeated splits, "
+            "and, on the first of these splits, the same rows for all models, bootstrap of the "
+            f"test rows. Arrowheads: runs on below {minus(f'{LOWEST:g}')}",
+        )
+    return figure
+
+
+def _handles() -> list:
+    return [
+        Line2D([], [], marker="|", ms=8.0, mew=1.6, color=style.BLACK, ls="", label="printed"),
+        Line2D([], [], marker="o", ms=4.0, color=COLOURS[AS_PUBLISHED], label="as published here"),
+        Line2D([], [], marker="s", ms=4.0, color=COLOURS[HONEST], label="honest, repeated splits"),
+        Line2D([], [], marker="^", ms=4.0, color=COLOURS[HONEST], alpha=0.45,
+               label="honest, first split"),
+    ]  # fmt: skip
+
+
+def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> Figure:
+    """Predicted against actual wear on the test rows of each model's fixed split.
+
+    Parameters
+    ----------
+    predictions, comparison : pandas.DataFrame
+        From `abradem.learning.comparison`.
+    """
+    fixed = predictions[(predictions["repeat"] == 0) & (predictions["split"] == "test")]
+    models = [model for model in MODELS if model in set(fixed["model"])]
+    with style.style():
+        figure, axes = style.panels(len(models), 4, 1.75)
+        most = max(float(fixed["actual"].max()), 1e-300)
+        power = style.decade(most)
+        unit = 10.0**power
+        low = max(min(0.0, float(fixed["predicted"].min())), -0.4 * most)
+        high = max(min(float(fixed["predicted"].max()), 1.4 * most), most)
+        pad = 0.04 * (high - low)
+        ends = ((low - pad) / unit, (high + pad) / unit)
+        beyond = bool(((fixed["predicted"] < low) | (fixed["predicted"] > high)).any())
+        for index, (panel, model) in enumerate(zip(axes, models, strict=True)):
+            words = []
+            for protocol, marker in ((AS_PUBLISHED, "x"), (HONEST, "o")):
+                rows = fixed[(fixed["model"] == model) & (fixed["protocol"] == protocol)]
+                if rows.empty:
+                    continue
+                predicted = rows["predicted"].clip(low, high) / unit
+                panel.plot(
+                    rows["actual"] / unit, predicted, marker, ms=2.6, mew=0.7,
+                    color=COLOURS[protocol], alpha=0.7, ls="",
+                )  # fmt: skip
+                found = comparison[
+                    (comparison["model"] == model)
+                    & (comparison["protocol"] == protocol)
+                    & (comparison["basis"] == FIXED)
+                ]["r2"]
+                words.append(minus(f"{PROTOCOLS[protocol]} {found.iloc[0]:.2f}"))
+            panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.7, zorder=0)
+            panel.set_xlim(min(0.0, ends[0]), ends[1])
+            panel.set_ylim(*ends)
+            panel.set_title(
+                f"{style.letter(index)} {MODELS[model]}\n$R^2$ {', '.join(words)}",
+                loc="left",
+                fontsize=6.0,
+            )
+            panel.tick_params(labelsize=6.0)
+        label = style.scaled_unit(power, "mm/s")
+        for panel in axes[-min(4, len(axes)) :]:
+            panel.set_xlabel(f"Simulated ({label})", fontsize=7.0)
+        for panel in axes[::4]:
+            panel.set_ylabel(f"Predicted ({label})", fontsize=7.0)
+        figure.legend(
+            handles=[
+                Line2D([], [], marker="x", ls="", ms=3.5, color=COLOURS[AS_PUBLISHED],
+                       label="protocol: as published"),
+                Line2D([], [], marker="o", ls="", ms=3.0, color=COLOURS[HONEST],
+                       label="protocol: honest"),
+            ],
+            loc="outside upper center",
+            ncols=2,
+        )  # fmt: skip
+        style.caption(
+            figure,
+            "wear depth rate of the test rows of one split: as published its own (30 % of the rows "
+            "for networks, 20 % else), honest the first split, the same rows for all models"
+            + ("; predictions beyond the frame stand on its edge" if beyond else ""),
+        )
+    return figure

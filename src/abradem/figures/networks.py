@@ -1,0 +1,123 @@
+"""The genetic search: fitness over the generations, architectures, and what chance leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from abradem.figures import style
+from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, MODELS, PROTOCOLS
+
+LOWEST = -0.5
+
+
+def search_figure(history: pd.DataFrame, scores: pd.DataFrame, summaries: dict) -> Figure:
+    """Fitness by generation, size of the networks, and scores of nets trained again.
+
+    Parameters
+    ----------
+    history : pandas.DataFrame
+        Of both protocols, the first search of each is shown.
+    scores : pandas.DataFrame
+        Of the networks.
+    summaries : dict
+        By protocol, see `abradem.learning.ga_ann.fit_networks`.
+    """
+    history = history[history["repeat"] == 0]
+    protocols = [name for name in (AS_PUBLISHED, HONEST) if name in summaries]
+    with style.style():
+        figure, axes = style.panels(4, 2, 2.2)
+        low = max(min(0.0, float(history["fitness"].quantile(0.05))), LOWEST)
+        for index, protocol in enumerate(protocols):
+            rows = history[history["protocol"] == protocol]
+            _fitness_panel(axes[index], index, rows, summaries[protocol], low)
+        _size_panel(axes[2], history, protocols)
+        _retrained_panel(axes[3], scores, protocols)
+        style.caption(
+            figure,
+            "fitness as published: $R^2$ on the test rows themselves; honest: on validation rows "
+            "inside the training rows. (d): one dot for each training of the same net from other "
+            "start weights, scored on the test rows; cross: the fitness that the search reported; "
+            "diamond: the score that counts (as published the best look, honest the first)",
+        )
+    return figure
+
+
+def _fitness_panel(panel, index, rows, summary, low) -> None:
+    protocol = summary["protocol"]
+    colour = COLOURS[protocol]
+    panel.scatter(
+        rows["generation"] + 1, rows["fitness"].clip(lower=low), s=6, color=colour, alpha=0.35, lw=0
+    )
+    best = rows.groupby("generation")["fitness"].max()
+    panel.step(best.index + 1, best.cummax(), where="post", color=style.BLACK, label="best so far")
+    panel.plot(
+        best.index + 1, rows.groupby("generation")["fitness"].median().clip(lower=low), ls="--",
+        color=colour, label="median",
+    )  # fmt: skip
+    descent = pd.DataFrame(summary["lineage"])
+    panel.plot(
+        descent["generation"] + 1, descent["fitness"], "o", ms=3.2, mfc="none", mew=0.8,
+        color=style.BLACK, label="descent of the best",
+    )  # fmt: skip
+    panel.set_ylim(low - 0.05, 1.02)
+    panel.set_xlabel("Generation")
+    panel.xaxis.get_major_locator().set_params(integer=True)
+    panel.set_ylabel("Fitness ($R^2$)")
+    panel.legend(loc="lower right")
+    layers = "-".join(map(str, summary["architecture"]))
+    panel.set_title(
+        f"{style.letter(index)} {PROTOCOLS[protocol]}: {layers}", loc="left", fontsize=7.0
+    )
+
+
+def _size_panel(panel, history, protocols) -> None:
+    for protocol in protocols:
+        rows = history[history["protocol"] == protocol].groupby("generation")["parameters"]
+        middle = rows.median()
+        panel.fill_between(
+            middle.index + 1, rows.min(), rows.max(), color=COLOURS[protocol], alpha=0.15, lw=0
+        )
+        panel.plot(middle.index + 1, middle, color=COLOURS[protocol], label=PROTOCOLS[protocol])
+    panel.set_yscale("log")
+    panel.set_xlabel("Generation")
+    panel.xaxis.get_major_locator().set_params(integer=True)
+    panel.set_ylabel("Weights and biases")
+    panel.legend(loc="lower right")
+    panel.set_title(
+        f"{style.letter(2)} size of the networks: median and range", loc="left", fontsize=7.0
+    )
+
+
+def _retrained_panel(panel, scores, protocols) -> None:
+    rows = scores[scores["metric"] == "R2"]
+    ticks, values = [], []
+    for protocol in protocols:
+        for model in ("ga_ann", "paper_net"):
+            mine = rows[(rows["protocol"] == protocol) & (rows["model"] == model)]
+            by_split = {name: part["value"].to_numpy() for name, part in mine.groupby("split")}
+            place, colour = len(ticks), COLOURS[protocol]
+            again = by_split.get("retrained", np.empty(0))
+            spread = (
+                np.linspace(-0.18, 0.18, len(again)) if len(again) > 1 else np.zeros(len(again))
+            )
+            panel.plot(place + spread, again, "o", ms=2.8, color=colour, alpha=0.5, mew=0)
+            for split, marker, size in (("test", "D", 4.0), ("search", "x", 5.0)):
+                if split in by_split:
+                    panel.plot(
+                        place, by_split[split][0], marker, ms=size, mew=1.2, color=style.BLACK,
+                        mfc="none",
+                    )  # fmt: skip
+                    values.append(by_split[split][0])
+            values += list(again)
+            name = "found net" if model == "ga_ann" else MODELS[model]
+            ticks.append(f"{name}\n{PROTOCOLS[protocol]}")
+    panel.set_xticks(range(len(ticks)), ticks, fontsize=5.8)
+    panel.set_xlim(-0.5, len(ticks) - 0.5)
+    finite = [value for value in values if np.isfinite(value)]
+    low, high = (min(finite), max(finite)) if finite else (0.0, 1.0)
+    pad = 0.1 * (high - low) + 0.01
+    panel.set_ylim(max(low, -2.0) - pad, high + pad)
+    panel.set_ylabel("$R^2$")
+    panel.set_title(f"{style.letter(3)} trained again", loc="left", fontsize=7.0)

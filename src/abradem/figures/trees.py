@@ -1,0 +1,162 @@
+"""The decision tree: how deep it may grow, and what the pruned one looks like."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from abradem.figures import style
+from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS, feature_ticks
+from abradem.parameters import quantity
+
+LOWEST = -1.5
+DRAWN_DEPTH = 4
+"""Levels below the root that are drawn; deeper branches end in a word."""
+
+
+def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: dict) -> Figure:
+    """R2 on training and test rows against the depth, and what the splits rest on.
+
+    Parameters
+    ----------
+    curve, importance : pandas.DataFrame
+    summary : dict
+        From `abradem.learning.trees.fit_trees`.
+    """
+    with style.style():
+        figure, axes = style.panels(3, 3, 2.5)
+        for index, protocol in enumerate((AS_PUBLISHED, HONEST)):
+            panel = axes[index]
+            rows = curve[curve["protocol"] == protocol]
+            for split, line in (("train", "--"), ("test", "-")):
+                part = rows[rows["split"] == split]
+                panel.plot(
+                    part["depth"], part["r2"], line, color=COLOURS[protocol],
+                    label={"train": "training rows", "test": "test rows"}[split],
+                )  # fmt: skip
+                if part["r2_lower"].notna().any():
+                    panel.fill_between(
+                        part["depth"], part["r2_lower"], part["r2_upper"],
+                        color=COLOURS[protocol], alpha=0.15, lw=0,
+                    )  # fmt: skip
+            low = float(rows[["r2", "r2_lower"]].min().min())
+            panel.set_ylim(max(min(low, 0.0) - 0.1, LOWEST), 1.08)
+            panel.axhline(0.0, color=style.BLACK, lw=0.5)
+            panel.set_xlim(0.0, rows["depth"].max() + 1)
+            panel.set_xlabel("Largest depth")
+            panel.set_ylabel("$R^2$")
+            panel.legend(loc="lower right")
+            panel.set_title(
+                f"{style.letter(index)} tree, {PROTOCOLS[protocol]}", loc="left", fontsize=7.0
+            )
+        _importance_panel(axes[2], importance)
+        count = summary["published_splits_on_wear_constant"]
+        style.caption(
+            figure,
+            "as published: unscaled features, one split; it splits on the wear constant "
+            f"{'never' if count == 0 else f'{count} times'} at its best depth. Honest: "
+            "standardised, mean and central share of the repeated splits. (c): share of the "
+            "variance removed, all rows, honest models",
+        )
+    return figure
+
+
+def _importance_panel(panel, importance: pd.DataFrame) -> None:
+    features = list(dict.fromkeys(importance["feature"]))
+    places = np.arange(len(features))
+    for shift, model, colour in ((-0.2, "tree", style.SKY), (0.2, "forest", style.GREEN)):
+        rows = importance[importance["model"] == model].set_index("feature").loc[features]
+        panel.barh(places + shift, rows["importance"], height=0.4, color=colour, label=model)
+    panel.set_yticks(places, feature_ticks(features), fontsize=5.5)
+    panel.tick_params(axis="y", length=0)
+    panel.invert_yaxis()
+    panel.set_xlabel("Importance")
+    panel.legend(loc="lower right")
+    panel.set_title(f"{style.letter(2)} honest tree and forest", loc="left", fontsize=7.0)
+
+
+def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
+    """The pruned tree of all rows, drawn.
+
+    Parameters
+    ----------
+    nodes : pandas.DataFrame
+    summary : dict
+        From `abradem.learning.trees.fit_trees`.
+    """
+    rows = {row["node"]: row for row in nodes.to_dict("records")}
+    with style.style():
+        places = _places(rows)
+        depth = max((level for _, level in places.values()), default=0)
+        figure, (panel,) = style.panels(1, 1, 0.75 + 0.62 * (depth + 1))
+        panel.set_axis_off()
+        power = style.decade(nodes["predicted"].abs().max())
+        for node, (x, level) in places.items():
+            row = rows[node]
+            for side, words in (("left", "yes"), ("right", "no")):
+                child = row[side]
+                if child in places:
+                    to_x, to_level = places[child]
+                    panel.plot([x, to_x], [-level, -to_level], color=style.GREY, lw=0.8, zorder=1)
+                    panel.text(
+                        0.5 * (x + to_x), -0.5 * (level + to_level), words, fontsize=5.5,
+                        color=style.GREY, ha="center", va="center",
+                        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+                    )  # fmt: skip
+            leaf = row["left"] < 0
+            panel.text(
+                x, -level, _node_words(row, power, node in places and not leaf and
+                                       row["left"] not in places),
+                ha="center", va="center", fontsize=5.5, zorder=2,
+                bbox={
+                    "boxstyle": "round,pad=0.3", "lw": 0.7,
+                    "facecolor": style.LIGHT_GREY if leaf else "white",
+                    "edgecolor": style.BLUE,
+                },
+            )  # fmt: skip
+        width = max((x for x, _ in places.values()), default=0.0)
+        panel.set_xlim(-0.6, width + 0.6)
+        panel.set_ylim(-depth - 0.5, 0.5)
+        pruned = summary["pruned"]
+        style.caption(
+            figure,
+            f"protocol: honest; all rows, standardised, pruned by cost and complexity with the "
+            f"cross-validated penalty {pruned['ccp_alpha']:.2g}: {pruned['leaves']} leaves, depth "
+            f"{pruned['depth']}; in each box the mean wear depth rate "
+            f"({style.scaled_unit(power, 'mm/s')}) and the number of rows"
+            + (f"; levels below {DRAWN_DEPTH} are left out" if pruned["depth"] > DRAWN_DEPTH
+               else ""),
+        )  # fmt: skip
+    return figure
+
+
+def _places(rows: dict) -> dict[int, tuple[float, int]]:
+    """Where each drawn node stands: leaves side by side, a node above the middle of its two."""
+    places: dict[int, tuple[float, int]] = {}
+    columns = [0]
+
+    def place(node: int, level: int) -> float:
+        row = rows[node]
+        if row["left"] < 0 or level == DRAWN_DEPTH:
+            x = float(columns[0])
+            columns[0] += 1
+        else:
+            x = 0.5 * (place(row["left"], level + 1) + place(row["right"], level + 1))
+        places[node] = (x, level)
+        return x
+
+    if rows:
+        place(0, 0)
+    return places
+
+
+def _node_words(row: dict, power: int, cut: bool) -> str:
+    mean = f"{row['predicted'] / 10.0**power:.3g}, n = {row['rows']}"
+    if row["left"] < 0:
+        return mean
+    if cut:
+        return f"{mean}\n..."
+    tex, unit = quantity(row["feature"]).tex, style.unit_text(row["unit"])
+    limit = style.number(row["threshold"])
+    return f"${tex}$ ≤ {limit}{' ' + unit if unit else ''}?\n{mean}"

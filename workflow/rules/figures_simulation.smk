@@ -1,0 +1,63 @@
+SHOWN = CONFIG.figures.series_cases
+
+
+# Figures of simulations, which an external table has none of. Figures of single cases take the
+# shards that hold these, so that new blocks leave them as they are.
+rule figure_series:
+    input:
+        cases=shards_with(SHOWN, f"{RESULTS}/cases/block-{{block}}.parquet"),
+        series=shards_with(SHOWN, rules.simulate.output.series),
+        runs=shards_with(SHOWN, rules.simulate.output.runs),
+    output:
+        figure_files("series", "wear depth against time"),
+    log:
+        f"{LOGS}/figure_series.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={"shown": SHOWN, "min_batches": CONFIG.wear_rate.min_batches},
+        setup=SETUP,
+        formats=FORMATS,
+        code=CODE["figure_series"],
+    script:
+        "../scripts/figure_series.py"
+
+
+rule figure_maps:
+    input:
+        cases=shards_with(SHOWN, f"{RESULTS}/cases/block-{{block}}.parquet"),
+        maps=shards_with(SHOWN, rules.simulate.output.maps),
+        runs=shards_with(SHOWN, rules.simulate.output.runs),
+    output:
+        figure_files("maps", "wear on the plate"),
+    log:
+        f"{LOGS}/figure_maps.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={"shown": SHOWN},
+        setup=SETUP,
+        formats=FORMATS,
+        code=CODE["figure_maps"],
+    script:
+        "../scripts/figure_maps.py"
+
+
+rule figure_quality:
+    input:
+        rules.dataset.output,
+    output:
+        figure_files("quality", "quality of the wear rates"),
+    log:
+        f"{LOGS}/figure_quality.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={
+            "target_stderr": CONFIG.simulation.stop.target_stderr,
+            "good_r2": CONFIG.wear_rate.good_r2,
+        },
+        formats=FORMATS,
+        code=CODE["figure_quality"],
+    script:
+        "../scripts/figure_quality.py"

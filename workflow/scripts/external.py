@@ -1,0 +1,9 @@
+"""A table from elsewhere as the data set."""
+
+from abradem.dataset import write_table
+from abradem.external import read_external
+from abradem.joblog import log_to
+
+log_to(snakemake.log[0])
+
+write_table(read_external(snakemake.input[0], snakemake.params.columns), snakemake.output[0])
