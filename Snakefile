@@ -22,9 +22,29 @@ configfile: "config.yaml"
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/sampling.smk"
-include: "workflow/rules/simulation.smk"
-include: "workflow/rules/dataset.smk"
+
+
+if SIMULATED:
+
+    include: "workflow/rules/sampling.smk"
+    include: "workflow/rules/simulation.smk"
+    include: "workflow/rules/dataset.smk"
+    include: "workflow/rules/figures_simulation.smk"
+
+    STAGES_OF_SIMULATION = [
+        rules.sampling.input,
+        rules.simulation.input,
+        rules.failures.output,
+        rules.exports.input,
+    ]
+
+else:
+
+    include: "workflow/rules/external.smk"
+
+    STAGES_OF_SIMULATION = []
+
+
 include: "workflow/rules/learning.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
@@ -33,12 +53,6 @@ include: "workflow/rules/verification.smk"
 
 localrules:
     all,
-    sampling,
-    simulation,
-    learning,
-    figures,
-    exports,
-    documents,
     verification,
 
 
@@ -46,14 +60,11 @@ localrules:
 rule all:
     default_target: True
     input:
-        rules.sampling.input,
-        rules.simulation.input,
+        STAGES_OF_SIMULATION,
         rules.dataset.output,
-        rules.failures.output,
         rules.learning.input,
         rules.figures.input,
         rules.documents.input,
-        rules.exports.input,
 
 
 onstart:

@@ -29,7 +29,7 @@ NEUTRAL = {
 HARMLESS = {
     "abradem.dataset": (
         "COLUMNS", "Column", "TableError", "WEAR_COLUMNS", "concatenate", "content_hash",
-        "read_table", "replacing", "wear_column", "write_json", "write_table",
+        "read_json", "read_table", "read_units", "replacing", "wear_column", "write_json", "write_table",
     ),
     "abradem.parameters": ("READINGS", "SAMPLED_NAMES", "STATISTICS"),
 }  # fmt: skip
@@ -39,7 +39,12 @@ the label of a quantity, does not repeat the simulations."""
 
 _JOIN = ("abradem.dataset", "abradem.features", "abradem.parameters")
 _RATES = ("abradem.wear_rate", "abradem.dem")
+_LEARNING = (
+    "abradem.learning.evaluation", "abradem.learning.modelfile", "abradem.learning.protocols",
+    "abradem.learning.scores", "abradem.learning.table", "abradem.parameters",
+)  # fmt: skip
 _FIGURE = ("abradem.figures.style", "abradem.parameters")
+_OF_MODELS = (*_FIGURE, "abradem.figures.words")
 _CHECKS = ("abradem.dem", "abradem.verification.scenes", "abradem.verification.table")
 _LAWS = (
     *_CHECKS, "abradem.verification.closed_forms", "abradem.verification.experiments",
@@ -54,17 +59,39 @@ STEPS: dict[str, tuple[str, ...]] = {
     "wear_rates": (*_RATES, "abradem.shards"),
     "failures": _JOIN,
     "dataset": _JOIN,
-    "linear": (
-        "abradem.learning.linear", "abradem.learning.protocols", "abradem.learning.scores",
+    "external": ("abradem.external", "abradem.features", "abradem.parameters"),
+    "linear": (*_LEARNING, "abradem.learning.linear", "abradem.learning.paper"),
+    "penalised": (*_LEARNING, "abradem.learning.penalised"),
+    "pca": (*_LEARNING, "abradem.learning.principal"),
+    "selection": (
+        *_LEARNING, "abradem.learning.paper", "abradem.learning.penalised",
+        "abradem.learning.principal", "abradem.learning.selection",
+    ),
+    "trees": (*_LEARNING, "abradem.learning.trees"),
+    "ga_ann": (
+        *_LEARNING, "abradem.learning.ga_ann", "abradem.learning.genetic",
+        "abradem.learning.network", "abradem.learning.paper", "abradem.learning.penalised",
+        "abradem.learning.principal", "abradem.learning.selection",
+    ),
+    "scores": (
+        "abradem.learning.comparison", "abradem.learning.modelfile", "abradem.learning.paper",
+        "abradem.learning.protocols", "abradem.learning.scores", "abradem.learning.table",
         "abradem.parameters",
     ),
     "figure_series": (*_FIGURE, *_RATES, "abradem.figures.series", "abradem.shards"),
     "figure_quality": (*_FIGURE, *_RATES, "abradem.figures.series"),
     "figure_coefficients": (*_FIGURE, "abradem.figures.linear"),
     "figure_predicted": (*_FIGURE, "abradem.figures.linear"),
+    "figure_residuals": (*_OF_MODELS, "abradem.figures.regression"),
+    "figure_penalised": (*_OF_MODELS, "abradem.figures.regression"),
+    "figure_selection": (*_OF_MODELS, "abradem.figures.regression"),
+    "figure_pca": (*_OF_MODELS, "abradem.figures.components"),
+    "figure_trees": (*_OF_MODELS, "abradem.figures.trees"),
+    "figure_ga_ann": (*_OF_MODELS, "abradem.figures.networks"),
+    "figure_comparison": (*_OF_MODELS, "abradem.figures.comparison"),
     "figure_maps": (*_FIGURE, *_RATES, "abradem.figures.maps", "abradem.shards"),
     "table": (),
-    "summary": (*_RATES, "abradem.summary", "abradem.parameters"),
+    "summary": (*_RATES, "abradem.summary"),
     "provenance": (),
     "verification_laws": (*_LAWS,),
     "verification_chung_ooi": (*_LAWS, "abradem.verification.chung_ooi"),
@@ -98,8 +125,8 @@ STEPS: dict[str, tuple[str, ...]] = {
 """Modules (a package means all below it) that the script ``workflow/scripts/<step>.py`` uses."""
 
 PACKAGES = (
-    "matplotlib", "numba", "numpy", "pandas", "pyarrow", "scikit-learn", "scipy", "snakemake",
-    "torch",
+    "matplotlib", "numba", "numpy", "pandas", "pyarrow", "safetensors", "scikit-learn", "scipy",
+    "snakemake", "torch",
 )  # fmt: skip
 """Distributions whose versions are recorded."""
 

@@ -61,6 +61,9 @@ def shards_with(cases, pattern):
     return list(dict.fromkeys(paths))
 
 
+FORMATS = CONFIG.figures.formats
+
+
 def figure_file(name, label, suffix):
     """The file of a figure in one format, as the report shows it."""
     return report(
@@ -73,7 +76,7 @@ def figure_file(name, label, suffix):
 
 def figure_files(name, label):
     """The files of a figure, one for each format."""
-    return [figure_file(name, label, suffix) for suffix in CONFIG.figures.formats]
+    return [figure_file(name, label, suffix) for suffix in FORMATS]
 
 
 def to_simulate(jobs):

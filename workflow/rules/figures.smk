@@ -1,6 +1,3 @@
-FORMATS = CONFIG.figures.formats
-
-
 OF_SIMULATIONS = ["series", "quality", "maps"] if SIMULATED else []
 OF_LEARNING = [
     "coefficients",

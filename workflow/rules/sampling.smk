@@ -1,3 +1,7 @@
+localrules:
+    sampling,
+
+
 rule sampling:
     input:
         f"{RESULTS}/cases.parquet",

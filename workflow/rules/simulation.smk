@@ -1,3 +1,8 @@
+localrules:
+    simulation,
+    exports,
+
+
 rule simulation:
     input:
         shard_paths(f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet"),

@@ -16,13 +16,6 @@ PARTS = {
     "facets_and_bed": ["checks", "sizes", "heap"],
 }
 
-PART_INPUTS = {
-    "codes": {
-        "impacts": "tests/data/codes/single_impacts.csv",
-        "jets": "tests/data/codes/jets.csv",
-    },
-}
-
 # The tables that each figure shows, in the order in which its function takes them.
 VERIFICATION_FIGURES = {
     "restitution": ["laws_restitution"],
@@ -43,6 +36,13 @@ VERIFICATION_FIGURES = {
 VERIFICATION_FORMATS = ["pdf", "png"]
 
 
+def part_files(part, suffix):
+    """Files of a part's tables by their names."""
+    return {
+        table: f"{VERIFIED}/tables/{part}_{table}.{suffix}" for table in PARTS[part]
+    }
+
+
 rule verification:
     input:
         f"{VERIFIED}/results.md",
@@ -53,25 +53,142 @@ rule verification:
         ),
 
 
-for part, tables in PARTS.items():
+rule verification_laws:
+    output:
+        **part_files("laws", "parquet"),
+        text=list(part_files("laws", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/laws.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        tables=PARTS["laws"],
+        code=CODE["verification_laws"],
+    script:
+        "../scripts/verification_laws.py"
 
-    rule:
-        name:
-            f"verification_{part}"
-        input:
-            **PART_INPUTS.get(part, {}),
-        output:
-            [f"{VERIFIED}/tables/{part}_{table}.csv" for table in tables],
-            **{table: f"{VERIFIED}/tables/{part}_{table}.parquet" for table in tables},
-        log:
-            f"{VERIFICATION_LOGS}/{part}.log",
-        conda:
-            "../envs/abradem.yaml"
-        params:
-            tables=tables,
-            code=CODE[f"verification_{part}"],
-        script:
-            f"../scripts/verification_{part}.py"
+
+rule verification_chung_ooi:
+    output:
+        **part_files("chung_ooi", "parquet"),
+        text=list(part_files("chung_ooi", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/chung_ooi.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        tables=PARTS["chung_ooi"],
+        code=CODE["verification_chung_ooi"],
+    script:
+        "../scripts/verification_chung_ooi.py"
+
+
+rule verification_codes:
+    input:
+        impacts="tests/data/codes/single_impacts.csv",
+        jets="tests/data/codes/jets.csv",
+    output:
+        **part_files("codes", "parquet"),
+        text=list(part_files("codes", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/codes.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        tables=PARTS["codes"],
+        code=CODE["verification_codes"],
+    script:
+        "../scripts/verification_codes.py"
+
+
+rule verification_time_step:
+    output:
+        **part_files("time_step", "parquet"),
+        text=list(part_files("time_step", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/time_step.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        tables=PARTS["time_step"],
+        code=CODE["verification_time_step"],
+    script:
+        "../scripts/verification_time_step.py"
+
+
+rule verification_statistics:
+    output:
+        **part_files("statistics", "parquet"),
+        text=list(part_files("statistics", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/statistics.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        tables=PARTS["statistics"],
+        code=CODE["verification_statistics"],
+    script:
+        "../scripts/verification_statistics.py"
+
+
+rule verification_steady_state:
+    output:
+        **part_files("steady_state", "parquet"),
+        text=list(part_files("steady_state", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/steady_state.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        tables=PARTS["steady_state"],
+        code=CODE["verification_steady_state"],
+    script:
+        "../scripts/verification_steady_state.py"
+
+
+rule verification_conveyor:
+    output:
+        **part_files("conveyor", "parquet"),
+        text=list(part_files("conveyor", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/conveyor.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        tables=PARTS["conveyor"],
+        code=CODE["verification_conveyor"],
+    script:
+        "../scripts/verification_conveyor.py"
+
+
+rule verification_trends:
+    output:
+        **part_files("trends", "parquet"),
+        text=list(part_files("trends", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/trends.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        tables=PARTS["trends"],
+        code=CODE["verification_trends"],
+    script:
+        "../scripts/verification_trends.py"
+
+
+rule verification_facets_and_bed:
+    output:
+        **part_files("facets_and_bed", "parquet"),
+        text=list(part_files("facets_and_bed", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/facets_and_bed.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        tables=PARTS["facets_and_bed"],
+        code=CODE["verification_facets_and_bed"],
+    script:
+        "../scripts/verification_facets_and_bed.py"
 
 
 rule verification_page:

@@ -9,9 +9,7 @@ from abradem.learning.table import FEWEST_ROWS, learning_table
 
 log_to(snakemake.log[0])
 
-table = learning_table(
-    read_table(snakemake.input[0]), **snakemake.params.table, fewest=FEWEST_ROWS
-)
+table = learning_table(read_table(snakemake.input[0]), **snakemake.params.table, fewest=FEWEST_ROWS)
 protocol = snakemake.wildcards.protocol
 found = fit_networks(
     table,

@@ -8,9 +8,7 @@ from abradem.learning.trees import fit_trees
 
 log_to(snakemake.log[0])
 
-table = learning_table(
-    read_table(snakemake.input[0]), **snakemake.params.table, fewest=FEWEST_ROWS
-)
+table = learning_table(read_table(snakemake.input[0]), **snakemake.params.table, fewest=FEWEST_ROWS)
 found = fit_trees(table, **snakemake.params.options)
 write_stage(
     snakemake.output.items(),

@@ -66,11 +66,14 @@ def compare(
     tail = 50.0 * (1.0 - confidence)
     held = scores[scores["metric"] == "R2"]
     for (model, protocol), mine in held.groupby(["model", "protocol"], sort=False):
+        several = {}
         for basis, split in ((SPLITS, "test"), (RETRAINED, "retrained")):
             values = mine.loc[mine["split"] == split, "value"].dropna().to_numpy()
             if len(values) > 1:
                 low, middle, high = np.percentile(values, [tail, 50.0, 100.0 - tail])
-                rows.append((model, protocol, basis, len(values), middle, low, high))
+                several[basis] = (model, protocol, basis, len(values), middle, low, high)
+        if SPLITS in several:
+            rows.append(several[SPLITS])
         fixed = predictions[
             (predictions["model"] == model)
             & (predictions["protocol"] == protocol)
@@ -84,6 +87,8 @@ def compare(
         else:
             value = mine.loc[mine["split"] == "test", "value"]
             rows.append((model, protocol, FIXED, 1, value.iloc[0], np.nan, np.nan))
+        if RETRAINED in several:
+            rows.append(several[RETRAINED])
     columns = ["model", "protocol", "basis", "repeats", "r2", "r2_lower", "r2_upper"]
     return pd.DataFrame(rows, columns=columns)
 
