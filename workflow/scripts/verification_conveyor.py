@@ -6,4 +6,5 @@ from abradem.verification.table import write
 
 log_to(snakemake.log[0])
 
-write(conveyor.study(), {name: snakemake.output[name] for name in snakemake.params.tables})
+tables = conveyor.study()
+write(tables, {name: snakemake.output[name] for name in snakemake.params.tables})

@@ -1,6 +1,7 @@
 """All checks of the verification study: one table, one page, and the count of those that hold."""
 
 import pandas as pd
+
 from abradem.dataset import read_table, write_json
 from abradem.joblog import log_to
 from abradem.provenance import write_text

@@ -6,4 +6,5 @@ from abradem.verification.table import write
 
 log_to(snakemake.log[0])
 
-write(steady_state_study.study(), {name: snakemake.output[name] for name in snakemake.params.tables})
+tables = steady_state_study.study()
+write(tables, {name: snakemake.output[name] for name in snakemake.params.tables})

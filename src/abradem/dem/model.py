@@ -158,7 +158,7 @@ class Setup:
     sample_interval : float
         Time between samples of the worn volume, s.
     duration : float or None
-        If given, simulate exactly this long, s, whatever the standard error.
+        If given, simulate this long (to the nearest sample), s, whatever the standard error.
     """
 
     plate_length: float = 0.3

@@ -289,7 +289,8 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
 @kernel(inline=True)
 def remove_if_fallen(problem, particle, tally):
     """Take a particle out if it has fallen below the removal level."""
-    if particle.y >= problem.removal_height:
+    # A position that is no number stays, for the guard to find.
+    if not particle.y < problem.removal_height:
         return
     tally.energy_out += energy_of(problem, particle, tally.step)
     if particle.first_contact == NOT_YET:

@@ -77,7 +77,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     map_samples = max(1, round(setup.window / MAPS_PER_WINDOW / interval))
     window_maps = max(1, round(setup.window / (map_samples * interval)))
     longest = setup.max_time if setup.duration is None else setup.duration
-    samples = max(1, math.ceil(longest / interval - 1e-9))
+    samples = max(1, round(longest / interval))
     record_steps = max(1, round(recorder.interval / problem.dt)) if recorder else None
     state = engine.state
     if recorder:
@@ -183,7 +183,7 @@ def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
 def _guard(problem: Problem, state: State, before: dict):
     """Check that positions are numbers and that no energy was gained since the last sample."""
     book = energy_book(problem, state)
-    if not math.isfinite(book["resident"]):
+    if not (math.isfinite(book["resident"]) and math.isfinite(book["removed"])):
         return STOP_NOT_FINITE, book
     gained = before["dissipated"] - book["dissipated"]
     if gained > ENERGY_TOLERANCE * max(book["inserted"], 0.0) and gained > 0.0:

@@ -126,10 +126,10 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
                 ]["r2"]
                 words.append(minus(f"{PROTOCOLS[protocol]} {found.iloc[0]:.2f}"))
             panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.7, zorder=0)
-            panel.set_xlim(min(0.0, ends[0]), ends[1])
+            panel.set_xlim(-0.04 * most / unit, ends[1])
             panel.set_ylim(*ends)
             panel.set_title(
-                f"{style.letter(index)} {MODELS[model]}\n$R^2$ {', '.join(words)}",
+                f"{style.letter(index)} {MODELS[model]}\n{', '.join(words)}",
                 loc="left",
                 fontsize=6.0,
             )
@@ -152,7 +152,7 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
         style.caption(
             figure,
             "wear depth rate of the test rows of one split: as published its own (30 % of the rows "
-            "for networks, 20 % else), honest the first split, the same rows for all models"
+            "for networks, 20 % else), honest the first split, the same rows for all models; numbers: their $R^2$"
             + ("; predictions beyond the frame stand on its edge" if beyond else ""),
         )
     return figure

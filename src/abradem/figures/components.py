@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from abradem.figures import style
 from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS, minus
@@ -38,7 +39,7 @@ def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
             for (i, j), value in np.ndenumerate(values):
                 if np.isfinite(value):
                     panel.text(
-                        j, i, minus(f"{value:.2f}"), ha="center", va="center", fontsize=4.6,
+                        j, i, minus(f"{round(value, 2) + 0.0:.2f}"), ha="center", va="center", fontsize=4.6,
                         color="white" if abs(value) > 0.6 else "black",
                     )  # fmt: skip
             _name_axes(panel, part)
@@ -153,12 +154,13 @@ def components_curve_figure(curve: pd.DataFrame) -> Figure:
         low = float(values.min())
         panel.set_ylim(max(min(low, 0.0) - 0.05, LOWEST), 1.0)
         panel.set_xlim(0.5, curve["components"].max() + 0.5)
+        panel.xaxis.set_major_locator(MaxNLocator(integer=True))
         panel.set_xlabel("Number of components")
         panel.set_ylabel("$R^2$ on held-out rows")
         figure.legend(loc="outside upper left")
         style.caption(
             figure,
-            "as published: one split, scalers and components of all rows; honest: mean of the "
+            "as published: one split, scalers and components of all rows; honest: median of the "
             "repeated splits, band: their central share"
             + ("; values below \N{MINUS SIGN}1 run out of the panel" if low < LOWEST else ""),
         )

@@ -39,7 +39,7 @@ def search_figure(history: pd.DataFrame, scores: pd.DataFrame, summaries: dict) 
             "fitness as published: $R^2$ on the test rows themselves; honest: on validation rows "
             "inside the training rows. (d): one dot for each training of the same net from other "
             "start weights, scored on the test rows; cross: the fitness that the search reported; "
-            "diamond: the score that counts (as published the best look, honest the first)",
+            "diamond: the score that counts (as published the best look, honest the first). Nets below the axis stand on its edge",
         )
     return figure
 

@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from abradem.figures import style
 from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, MODELS, PROTOCOLS, feature_ticks
@@ -38,7 +39,8 @@ def residuals_figure(residuals: pd.DataFrame, coefficients: pd.DataFrame, model:
         style.caption(
             figure,
             f"least squares on all {len(residuals)} rows: a description, without training and test "
-            f"rows, hence the same under both protocols; dashed in (c): {HIGH_INFLATION:g}",
+            f"rows, hence the same under both protocols; p of the test of Breusch and Pagan, small "
+            f"where the scatter depends on the features; dashed in (c): {HIGH_INFLATION:g}",
         )
     return figure
 
@@ -56,9 +58,7 @@ def _against_fitted(panel, residuals: pd.DataFrame, model: dict) -> None:
         size = f"= {p_value:.2g}" if p_value >= 1e-4 else r"< $10^{-4}$"
         size = size if "e" not in size else f"= {style.number(p_value, 2)}"
         words = f"p {size}"
-    panel.set_title(
-        f"{style.letter(0)} even scatter (Breusch-Pagan): {words}", loc="left", fontsize=7.0
-    )
+    panel.set_title(f"{style.letter(0)} residuals, Breusch-Pagan {words}", loc="left", fontsize=7.0)
 
 
 def _quantiles(panel, residuals: pd.DataFrame) -> None:
@@ -97,7 +97,7 @@ def _inflation(panel, coefficients: pd.DataFrame) -> None:
             Patch(color=style.BLUE, label="sampled"),
             Patch(color=style.ORANGE, label="derived"),
         ],
-        loc="lower right",
+        loc="center right",
         fontsize=6.0,
     )
 
@@ -123,11 +123,13 @@ def penalised_figure(
     """
     models = list(dict.fromkeys(paths["model"]))
     with style.style():
-        figure, axes = style.panels(6, 3, 2.25)
-        # The features of the largest weights at the penalties as published, of both models.
-        of_paper = weights[weights["protocol"] == AS_PUBLISHED]
-        largest = of_paper.groupby("feature", sort=False)["weight"].agg(lambda w: w.abs().max())
-        named = list(largest.sort_values(ascending=False, kind="stable").index[:NAMED])
+        figure, axes = style.panels(6, 3, 2.9)
+        # Those that the lasso keeps as published, then the largest of the ridge.
+        of_paper = weights[weights["protocol"] == AS_PUBLISHED].assign(
+            size=lambda rows: rows["weight"].abs()
+        )
+        ranked = of_paper.sort_values(["model", "size"], ascending=[True, False], kind="stable")
+        named = list(dict.fromkeys(ranked.loc[ranked["size"] > 0.0, "feature"]))[:NAMED]
         for row, model in enumerate(models):
             alphas = summary[model]["alpha"]
             first = 3 * row
@@ -166,7 +168,7 @@ def _path_panel(panel, index, model, paths, named, alphas) -> None:
             zorder=2 if shown else 1,
         )  # fmt: skip
     # Least squares of dependent features would dwarf the rest.
-    reach = 1.3 * mine.loc[mine["feature"].isin(named[:4]), "weight"].abs().max() or 1.0
+    reach = 1.3 * mine.loc[mine["feature"].isin(named[:3]), "weight"].abs().max() or 1.0
     panel.set_ylim(-reach, reach)
     panel.axhline(0.0, color=style.BLACK, lw=0.5)
     _alpha_axis(panel, alphas)
@@ -209,6 +211,7 @@ def _weights_panel(panel, index, model, weights) -> None:
         for place, share in zip(places, rows["survives"], strict=True):
             panel.text(reach, place, f"{share:.2f}", fontsize=5.0, va="center", ha="right")
     panel.axvline(0.0, color=style.BLACK, lw=0.5)
+    panel.xaxis.set_major_locator(MaxNLocator(4))
     panel.set_yticks(places, feature_ticks(features), fontsize=5.5)
     panel.tick_params(axis="y", length=0)
     panel.invert_yaxis()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from abradem.figures import style
 from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS, feature_ticks
@@ -31,10 +32,7 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
             rows = curve[curve["protocol"] == protocol]
             for split, line in (("train", "--"), ("test", "-")):
                 part = rows[rows["split"] == split]
-                panel.plot(
-                    part["depth"], part["r2"], line, color=COLOURS[protocol],
-                    label={"train": "training rows", "test": "test rows"}[split],
-                )  # fmt: skip
+                panel.plot(part["depth"], part["r2"], line, color=COLOURS[protocol])
                 if part["r2_lower"].notna().any():
                     panel.fill_between(
                         part["depth"], part["r2_lower"], part["r2_upper"],
@@ -46,18 +44,24 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
             panel.set_xlim(0.0, rows["depth"].max() + 1)
             panel.set_xlabel("Largest depth")
             panel.set_ylabel("$R^2$")
-            panel.legend(loc="lower right")
             panel.set_title(
                 f"{style.letter(index)} tree, {PROTOCOLS[protocol]}", loc="left", fontsize=7.0
             )
         _importance_panel(axes[2], importance)
+        figure.legend(
+            handles=[
+                Line2D([], [], color=style.BLACK, ls="--", label="training rows"),
+                Line2D([], [], color=style.BLACK, label="test rows"),
+            ],
+            loc="outside upper left",
+            ncols=2,
+        )
         count = summary["published_splits_on_wear_constant"]
         style.caption(
             figure,
-            "as published: unscaled features, one split; it splits on the wear constant "
-            f"{'never' if count == 0 else f'{count} times'} at its best depth. Honest: "
-            "standardised, mean and central share of the repeated splits. (c): share of the "
-            "variance removed, all rows, honest models",
+            "as published: unscaled features, one split; at its best depth the tree splits "
+            f"{count} times on the wear constant. Honest: standardised, median and central share "
+            "of the repeated splits. (c): share of the variance removed, all rows, honest models",
         )
     return figure
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator, ScalarFormatter
 
 from abradem.figures import style
 
@@ -13,9 +14,9 @@ _SMALL = {"ms": 2.5, "lw": 0.8}
 
 
 def _finish(figure: Figure, panels, caption: str, legend_of=None) -> Figure:
-    for index, panel in enumerate(panels):
-        title = panel.get_title(loc="left")
-        panel.set_title(f"{style.letter(index)} {title}", loc="left")
+    if len(panels) > 1:
+        for index, panel in enumerate(panels):
+            panel.set_title(f"{style.letter(index)} {panel.get_title(loc='left')}", loc="left")
     shown = panels if legend_of is None else [legend_of]
     handles = {}
     for panel in shown:
@@ -183,6 +184,24 @@ def codes_figure(impacts: pd.DataFrame) -> Figure:
         return figure
 
 
+def forces_figure(forces: pd.DataFrame) -> Figure:
+    """Tangential force against time: another code as points, ours as lines."""
+    with style.style():
+        groups = list(forces.groupby(["variant", "angle"], sort=False))
+        figure, panels = style.panels(len(groups), 3, 1.9)
+        for panel, ((variant, angle), part) in zip(panels, groups, strict=True):
+            time = 1e6 * part["time"]
+            panel.plot(time, part["our_normal"], color=style.RED, label="ours, normal")
+            panel.plot(time, part["our_tangential"], color=style.BLUE, label="ours, tangential")
+            for name in ("normal_force", "tangential_force"):
+                panel.plot(time, part[name], ".", color=style.BLACK, ms=2,
+                           label=part["code"].iloc[0])  # fmt: skip
+            panel.set_title(f"{variant}, {angle:g}°", loc="left", fontsize=6)
+            panel.set_xlabel("Time (µs)")
+            panel.set_ylabel("Force (N)")
+        return _finish(figure, panels, "e = 0.5, µ = 0.45, 3.9 m/s, the same options")
+
+
 def time_step_figure(mean: pd.DataFrame, jets: pd.DataFrame) -> Figure:
     """Bias of the readings against the step, single impacts and jets."""
     with style.style():
@@ -233,18 +252,22 @@ def coverage_figure(replicates: pd.DataFrame) -> Figure:
         return _finish(figure, [panel], "one jet, replicates differ in the seed")
 
 
+_SHOWN_ANGLES = (0.0, 10.0, 20.0, 30.0, 45.0, 70.0)
+
+
 def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:
     """Depth against time, and slope against the plate's and the factory's angle."""
     with style.style():
         figure, panels = style.panels(3, 3, 2.3)
         first = series[series["scene"] == series["scene"].iloc[0]]
         power = style.decade(first["depth"].max())
-        for index, (angle, one) in enumerate(first.groupby("plate_angle")):
-            shade = index / max(first["plate_angle"].nunique() - 1, 1)
-            panels[0].plot(one["time"], one["depth"] / 10.0**power, lw=0.8,
-                           color=(0.0, 0.45 * (1 - shade) + 0.2, 0.9 - 0.6 * shade))  # fmt: skip
-            panels[0].annotate(f"{angle:g}°", (one["time"].iloc[-1],
-                               one["depth"].iloc[-1] / 10.0**power), fontsize=5.5)  # fmt: skip
+        shown = [angle for angle in first["plate_angle"].unique() if angle in _SHOWN_ANGLES]
+        for colour, angle in zip(style.PALETTE, shown, strict=False):
+            one = first[first["plate_angle"] == angle]
+            panels[0].plot(one["time"], one["depth"] / 10.0**power, lw=0.9, color=colour)
+            panels[0].annotate(f" {angle:g}°", (one["time"].iloc[-1],
+                               one["depth"].iloc[-1] / 10.0**power), fontsize=6,
+                               va="center", color=colour)  # fmt: skip
         panels[0].set_xlabel("Time (s)")
         panels[0].set_ylabel(f"Mean depth ({style.scaled_unit(power, 'mm')})")
         panels[0].set_title("plate angles", loc="left")
@@ -297,8 +320,16 @@ def trends_figure(measurements: pd.DataFrame, exponents: pd.DataFrame) -> Figure
             base = mean.iloc[0] * (mean.index / mean.index[0]) ** row["expected"]
             panel.loglog(mean.index, base, **(_EXACT | {"label": "expected slope"}))
             panel.set_title(row["quantity"], loc="left", fontsize=7)
-            panel.set_xlabel("Factor or speed")
-            panel.set_ylabel("Wear")
+            speed = row["quantity"].startswith("speed with")
+            panel.set_xlabel("Speed of impact (m/s)" if speed else "Factor")
+            panel.set_ylabel("Wear (J)" if "rate" in row["quantity"] else "Wear (J/kg)")
+            middle = float(np.sqrt(part["value"].min() * part["value"].max()))
+            reach = max(2.0, 1.3 * float(np.sqrt(part["value"].max() / part["value"].min())))
+            panel.set_ylim(middle / reach, middle * reach)
+            for axis in (panel.xaxis, panel.yaxis):
+                axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 4.0, 8.0)))
+                axis.set_major_formatter(ScalarFormatter())
+                axis.set_minor_locator(NullLocator())
             panel.text(0.05, 0.88, f"{row['exponent']:.3f} ± {row['exponent_stderr']:.3f}",
                        transform=panel.transAxes, fontsize=7)  # fmt: skip
         return _finish(figure, panels, "points: replicates; number: fitted exponent")
@@ -328,6 +359,7 @@ FIGURES = {
     "slip": slip_figure,
     "convergence": convergence_figure,
     "codes": codes_figure,
+    "codes_forces": forces_figure,
     "time_step": time_step_figure,
     "coverage": coverage_figure,
     "steady_state": steady_figure,

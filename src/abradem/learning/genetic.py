@@ -205,7 +205,7 @@ def search(
     """
     check_options(options)
     memory = memory or Memory()
-    began = time.monotonic()
+    first = time.monotonic()
     rows: list[dict] = []
     generations: list[list[Individual]] = []
     best, best_fitness, place = None, -np.inf, (0, 0)
@@ -220,8 +220,10 @@ def search(
             if fitness[top] > best_fitness or best is None:
                 best, best_fitness = population[top].chromosome, float(fitness[top])
                 place = (generation, top)
+            if generation == 0:
+                first = time.monotonic()
             if progress:
-                progress(_line(generation, options.generations, best_fitness, best, began))
+                progress(_line(generation, options.generations, best_fitness, best, first))
             if generation + 1 < options.generations:
                 rng = _generator(seed, generation + 1)
                 population = _next(population, fitness, options, rng)
@@ -512,13 +514,15 @@ def _lineage(generations: list[list[Individual]], place: tuple[int, int]) -> lis
     return found
 
 
-def _line(generation, generations, fitness, best, began) -> str:
+def _line(generation, generations, fitness, best, first) -> str:
+    """Progress in words; the first generation, which also loads libraries, times nothing."""
     done = generation + 1
-    left = (time.monotonic() - began) / done * (generations - done)
-    return (
-        f"generation {done} of {generations}, best R2 {fitness:.3f} "
-        f"({'-'.join(map(str, best.layers))}), about {left:.0f} s left"
-    )
+    line = f"generation {done} of {generations}, best R2 {fitness:.3f} "
+    line += f"({'-'.join(map(str, best.layers))})"
+    if 1 < done < generations:
+        left = (time.monotonic() - first) / (done - 1) * (generations - done)
+        line += f", about {left:.0f} s left"
+    return line
 
 
 def _generator(seed: int, generation: int) -> np.random.Generator:

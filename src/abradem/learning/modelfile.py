@@ -208,16 +208,16 @@ def predict_trees(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
     return total / len(arrays["root"])
 
 
-def write_stage(paths, **results) -> None:
+def write_stage(outputs, /, **results) -> None:
     """Write what a stage of the learning found, each to the path of its name.
 
     Parameters
     ----------
-    paths : mapping of str to path
+    outputs : mapping of str to path
         A model (a pair of description and arrays) needs ``<name>`` and ``<name>_arrays``.
     results : DataFrame (a table), dict (JSON) or pair (a model)
     """
-    paths = dict(paths)
+    paths = dict(outputs)
     for name, result in results.items():
         path = paths.pop(name)
         if isinstance(result, pd.DataFrame):

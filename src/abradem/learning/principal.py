@@ -67,8 +67,8 @@ class PrincipalResult:
     correlations : pandas.DataFrame
         symbol, feature, other, correlation of all pairs of the 20 features and the target.
     curve : pandas.DataFrame
-        protocol, target, components, r2 on held-out rows: one split as published, mean of
-        the repeated splits honest, with the central 95 % as lower and upper.
+        protocol, target, components, r2 on held-out rows: one split as published, median
+        of the repeated splits honest, with their central share as lower and upper.
     results : Results
     model : tuple
         Description and arrays.
@@ -250,7 +250,7 @@ def _honest_curve(
     )
     tail = 50.0 * (1.0 - confidence)
     lower, upper = np.percentile(curves, [tail, 100.0 - tail], axis=0)
-    return _curve_rows(HONEST, WEAR, curves.mean(axis=0), lower, upper)
+    return _curve_rows(HONEST, WEAR, np.median(curves, axis=0), lower, upper)
 
 
 def _curve_rows(protocol, target, found, lower=np.nan, upper=np.nan) -> pd.DataFrame:

@@ -47,7 +47,7 @@ class TreesResult:
     Attributes
     ----------
     curve : pandas.DataFrame
-        protocol, depth, split, r2; honest the mean over the splits with r2_lower and r2_upper.
+        protocol, depth, split, r2; honest the median over the splits with r2_lower and r2_upper.
     nodes : pandas.DataFrame
         The pruned tree of all rows: node, parent, left, right, symbol, feature, threshold (in
         the feature's unit), unit, rows, prediction (mm/s).
@@ -220,7 +220,7 @@ def _honest_depths(table, max_depth, test_share, repeats, confidence, seed) -> p
     )  # fmt: skip
     tail = 50.0 * (1.0 - confidence)
     lower, upper = np.percentile(found, [tail, 100.0 - tail], axis=0)
-    return _depth_rows(HONEST, found.mean(axis=0), lower, upper)
+    return _depth_rows(HONEST, np.median(found, axis=0), lower, upper)
 
 
 def _depth_rows(protocol, found, lower=None, upper=None) -> pd.DataFrame:

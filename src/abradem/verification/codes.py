@@ -60,9 +60,7 @@ PEERS = {
     "incremental, uncapped, corrected": Peer(
         ContactModel("exact_e", "incremental", "uncapped"), corrected_tangential=True
     ),
-    "incremental, capped, clipped": Peer(
-        ContactModel("nominal_clipped", "incremental", "capped")
-    ),
+    "incremental, capped, clipped": Peer(ContactModel("nominal_clipped", "incremental", "capped")),
     "incremental, capped, corrected": Peer(
         ContactModel("exact_e", "incremental", "capped"), corrected_tangential=True
     ),
@@ -109,7 +107,13 @@ def compare(reference: pd.DataFrame) -> pd.DataFrame:
 
 EXPLAINED = {
     "displacement, uncapped, attractive, rolling": (
-        0.06, "its rolling torque takes the elastic part of F_n, ours all of F_n"
+        0.06,
+        "its rolling torque takes the elastic part of F_n, ours all of F_n",
+    ),
+    "incremental, capped, clipped": (
+        0.20,
+        "in slip its spring becomes the cap less the damping, which feeds energy in; with "
+        "that choice planted into our engine all differences are below 0.005 %",
     ),
 }
 """Variants with differences above `ALLOWED`: how large they may be, and the choice behind it."""
@@ -129,6 +133,53 @@ def checks(comparison: pd.DataFrame) -> list[Check]:
         found.append(
             Check(f"{code} ({variant}), e = {e:g}: {QUANTITIES[quantity]}, largest difference",
                   worst, allowed, kind="at most", note=note)
+        )  # fmt: skip
+    return found
+
+
+def our_forces(variant: str, angle: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Normal and tangential force (N) of an impact of ours at times after its begin (s)."""
+    scene = replace(Scene(), contact=PEERS[variant].contact)
+    dt = 2e-8
+    v_n = NOMINAL_SPEED * np.cos(np.radians(angle))
+    v_t = NOMINAL_SPEED * np.sin(np.radians(angle))
+    duration = float(np.max(times)) + 50 * dt
+    setup = scene.plane(gravity=0.0, time_step=dt, duration=duration, sample_interval=duration)
+    release = ([0.0], [(0.0, scene.radius + 0.5 * v_n * dt, 0.0)], [(v_t, -v_n, 0.0)])
+    _, film = filmed(scene.case(), setup, release, every=5 * dt)
+    after = np.array(film.time) - 0.5 * dt
+    return (
+        np.interp(times, after, film.of("plate_fn")),
+        np.interp(times, after, film.of("plate_tx")),
+    )
+
+
+def compare_forces(reference: pd.DataFrame) -> pd.DataFrame:
+    """Forces of the other codes against time, with ours beside them."""
+    parts = []
+    for (_, variant, angle), part in reference.groupby(["code", "variant", "angle"], sort=False):
+        normal, tangential = our_forces(variant, angle, part["time"].to_numpy())
+        parts.append(part.assign(our_normal=normal, our_tangential=tangential))
+    return pd.concat(parts, ignore_index=True)
+
+
+_FIRST_MOMENTS = 5e-7
+
+
+def force_checks(forces: pd.DataFrame) -> list[Check]:
+    """Root mean square difference of F_t(t) over its largest value.
+
+    Of the first moments, in which the damping jumps up as the fourth root of the overlap, a
+    part of a step decides; they are left out.
+    """
+    found = []
+    forces = forces[forces["time"] > _FIRST_MOMENTS]
+    for (code, variant, angle), part in forces.groupby(["code", "variant", "angle"], sort=False):
+        difference = part["our_tangential"] - part["tangential_force"]
+        worst = np.sqrt((difference**2).mean()) / part["tangential_force"].abs().max()
+        found.append(
+            Check(f"{code} ({variant}), {angle:g} deg: F_t(t), root mean square difference", worst,
+                  ALLOWED, kind="at most")
         )  # fmt: skip
     return found
 
@@ -192,32 +243,47 @@ def jet_impulse(velocities: np.ndarray) -> tuple[float, float]:
     return float(-mass * given @ normal), float(-mass * given @ down)
 
 
-def our_jet(variant: str) -> tuple[float, float]:
-    """Impulse of our jet on the plate under the options of a variant."""
+def our_jet(variant: str, nudge: float = 0.0) -> tuple[float, float]:
+    """Impulse of our jet on the plate under the options of a variant.
+
+    ``nudge`` (m) moves all stones along x: bounces are chaotic, so that it shows how well the
+    impulse is determined at all.
+    """
     scene = replace(Scene(), contact=PEERS[variant].contact)
     setup = scene.setup(
         time_step=JET_STEP, duration=JET_END, sample_interval=JET_END, removal_depth=20.0
     )
+    times, places, velocities = jet_releases()
     _, film = filmed(
-        scene.case(plate_angle=JET_ANGLE), setup, jet_releases(), every=JET_END
-    )
+        scene.case(plate_angle=JET_ANGLE), setup,
+        (times, places + np.array([nudge, 0.0, 0.0]), velocities), every=JET_END,
+    )  # fmt: skip
     last = film.frames[-1]
-    velocities = np.column_stack([last[name] for name in ("vx", "vy", "vz")])
+    after = np.column_stack([last[name] for name in ("vx", "vy", "vz")])
     # The frame is taken at a whole step near the end: gravity up to it.
-    velocities[:, 1] -= 9.81 * (JET_END - film.time[-1])
-    return jet_impulse(velocities)
+    after[:, 1] -= 9.81 * (JET_END - film.time[-1])
+    return jet_impulse(after)
+
+
+_NUDGES = 1e-7 * np.arange(1, 9)
 
 
 def compare_jets(reference: pd.DataFrame) -> pd.DataFrame:
-    """Impulses of the other codes' jets beside ours, one row per quantity."""
+    """Impulses of the other codes' jets beside ours, one row per quantity.
+
+    ``bias_stderr`` is the spread of ours between nudged jets, as a share of the reference.
+    """
     rows = []
     for row in reference.to_dict("records"):
         ours = our_jet(row["variant"])
-        rows += [
-            {"code": row["code"], "variant": row["variant"], "quantity": name, "ours": value,
-             "reference": row[name]}
-            for name, value in zip(("normal_impulse", "tangential_impulse"), ours, strict=True)
-        ]  # fmt: skip
+        nudged = np.array([our_jet(row["variant"], nudge) for nudge in _NUDGES])
+        for name, value, spread in zip(
+            ("normal_impulse", "tangential_impulse"), ours, nudged.std(axis=0, ddof=1), strict=True
+        ):
+            rows.append(
+                {"code": row["code"], "variant": row["variant"], "quantity": name, "ours": value,
+                 "reference": row[name], "bias_stderr": spread / abs(row[name])}
+            )  # fmt: skip
     return pd.DataFrame(rows)
 
 
@@ -225,19 +291,24 @@ def jet_checks(jets: pd.DataFrame) -> list[Check]:
     """The impulse of the whole jet on the plate."""
     return [
         Check(f"{row.code} ({row.variant}), jet: {row.quantity.replace('_', ' ')}", row.ours,
-              row.reference, ALLOWED, "N s", note="the same stones; later bounces are chaotic")
+              row.reference, ALLOWED + 2.0 * row.bias_stderr, "N s",
+              note="jets: 1.5 % and twice the spread between jets that were nudged by 0.1 um")
         for row in jets.itertuples()
     ]  # fmt: skip
 
 
-def study(impacts: pd.DataFrame, jets: pd.DataFrame) -> dict[str, pd.DataFrame]:
+def study(
+    impacts: pd.DataFrame, jets: pd.DataFrame, forces: pd.DataFrame
+) -> dict[str, pd.DataFrame]:
     """Return the tables of this part.
 
     Parameters
     ----------
-    impacts, jets : pandas.DataFrame
+    impacts, jets, forces : pandas.DataFrame
         Of the other codes.
     """
-    singles, poured = compare(impacts), compare_jets(jets)
-    found = checks(singles) + jet_checks(poured)
-    return {"checks": checks_table(PART, found), "impacts": singles, "jets": poured}
+    singles, poured, tracks = compare(impacts), compare_jets(jets), compare_forces(forces)
+    found = checks(singles) + force_checks(tracks) + jet_checks(poured)
+    return {
+        "checks": checks_table(PART, found), "impacts": singles, "jets": poured, "forces": tracks,
+    }  # fmt: skip

@@ -138,9 +138,7 @@ def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000,
     probe = make_problem(scene.case(), scene.plane(time_step=1.0))[0]
     dt = hertz_duration(probe.plate_law, probe.mass, v_n) / steps
     release = ([0.0], [(0.0, scene.radius + 0.5 * v_n * dt, 0.0)], [(v_t, -v_n, 0.0)])
-    problem, schedule = make_problem(
-        scene.case(), scene.plane(time_step=dt, gravity=0.0), release
-    )
+    problem, schedule = make_problem(scene.case(), scene.plane(time_step=dt, gravity=0.0), release)
     changed = {name: getattr(problem.plate_law, name) * factor for name, factor in law.items()}
     problem = problem._replace(plate_law=problem.plate_law._replace(**changed))
     state = make_state(problem, 1)

@@ -97,9 +97,7 @@ def slip_checks() -> list[Check]:
     """Impacts that slip throughout; e = 1, and e < 1 under the capped damping."""
     checks = []
     for mu, mu_r, e in ((0.3, 0.0, 1.0), (0.45, 0.0, 1.0), (0.3, 0.05, 1.0), (0.3, 0.0, 0.5)):
-        scene = Scene().with_interaction(
-            restitution=e, static_friction=mu, rolling_friction=mu_r
-        )
+        scene = Scene().with_interaction(restitution=e, static_friction=mu, rolling_friction=mu_r)
         angle = exact.slip_angle_deg(mu, e, mu_r) + 5.0
         v_n, v_t = _components(angle)
         form = exact.gross_slip(scene.mass, scene.radius, v_n, v_t, mu, e, mu_r)
@@ -182,9 +180,7 @@ def plane_checks() -> list[Check]:
             Check(f"incline {angle:g} deg, mu_r = {mu_r:g}: {words}", ours, form, 2e-3, "m/s2")
         )
     rests = abs(incline(SOFT.with_interaction(rolling_friction=0.1), 5.0))
-    checks.append(
-        Check("incline 5 deg, mu_r = 0.1: rests", rests, 0.0, 1e-6, "m/s2", "absolute")
-    )
+    checks.append(Check("incline 5 deg, mu_r = 0.1: rests", rests, 0.0, 1e-6, "m/s2", "absolute"))
     return checks
 
 

@@ -26,9 +26,7 @@ def fixed_runs(replicates: int = REPLICATES, case: dict = _CASE) -> pd.DataFrame
     """Rate and standard error of runs of one length, and whether the 95 % interval holds."""
     rows = []
     for seed in range(replicates):
-        result = run(
-            jet_case(seed=seed, **case), JET.setup(duration=_FIXED, sample_interval=0.05)
-        )
+        result = run(jet_case(seed=seed, **case), JET.setup(duration=_FIXED, sample_interval=0.05))
         rate = rate_of(result)
         rows.append({"replicate": seed, "rate": rate.value, "rate_stderr": rate.stderr})
     frame = pd.DataFrame(rows)
@@ -107,9 +105,7 @@ def extreme_checks(stopped: pd.DataFrame, table: pd.DataFrame) -> list[Check]:
         if min(len(one), len(two)) < 20:
             one, two = stopped[name][::2], stopped[name][1::2]
         difference = one.mean() / two.mean() - 1.0
-        error = np.hypot(
-            one.std(ddof=1) / np.sqrt(len(one)), two.std(ddof=1) / np.sqrt(len(two))
-        )
+        error = np.hypot(one.std(ddof=1) / np.sqrt(len(one)), two.std(ddof=1) / np.sqrt(len(two)))
         error /= stopped[name].mean()
         spread_of_one = table.set_index("quantity")["relative_stderr"][name]
         found.append(

@@ -52,7 +52,8 @@ def runs() -> tuple[pd.DataFrame, pd.DataFrame]:
         r2 = straightness(result.time[steady], result.worn[steady, 0])
         place = {"scene": scene, "plate_angle": plate, "factory_angle": factory}
         rates.append(
-            place | {"depth_rate": rate.value * depth, "depth_stderr": rate.stderr * depth, "r2": r2}
+            place
+            | {"depth_rate": rate.value * depth, "depth_stderr": rate.stderr * depth, "r2": r2}
         )
         series.append(
             pd.DataFrame({"time": result.time, "depth": result.worn[:, 0] * depth}).assign(**place)

@@ -139,7 +139,8 @@ COLUMNS = {
                depth_stderr="standard error of the depth rate"),
     **_columns("J", work="work"),
     **_columns("W", rate="rate of F_n ds, W = 1", rate_stderr="standard error of the rate"),
-    **_columns("N", tangential_force="tangential force", normal_force="normal force"),
+    **_columns("N", tangential_force="tangential force", normal_force="normal force",
+        our_normal="normal force, ours", our_tangential="tangential force, ours"),
     **_columns("m", x="position along x", height="height over the plate", z="position along z"),
     **_columns("kg/s", mass_rate="mass rate"),
 }  # fmt: skip

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from abradem.verification.jets import JET, jet_case, run, spread
+from abradem.verification.jets import JET, run, spread
 from abradem.verification.scenes import solid
 from abradem.verification.table import Check, checks_table
 

@@ -1,0 +1,103 @@
+"""Verdicts follow from numbers; the page in the documentation is what the engine gives."""
+
+import math
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from abradem.dataset import read_table, read_units
+from abradem.verification import codes, laws
+from abradem.verification.page import BEGIN, END, into_document, number, results_page, summarise
+from abradem.verification.table import FAILS, HOLDS, Check, checks_table, write
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def checks():
+    return laws.fast_checks()
+
+
+def test_every_closed_form_holds(checks):
+    assert [check.law for check in checks if not check.holds] == []
+
+
+def test_other_codes_agree_under_the_same_options_or_for_a_named_reason():
+    folder = ROOT / "tests" / "data" / "codes"
+    comparison = codes.compare(pd.read_csv(folder / "single_impacts.csv"))
+    found = codes.checks(comparison)
+    assert {name.split()[0] for name in comparison["code"]} == {"LIGGGHTS", "YADE", "LAMMPS"}
+    assert [check.law for check in found if not check.holds] == []
+    assert all(check.note for check in found if check.ours > codes.ALLOWED)
+
+
+def test_tangential_force_against_time_is_that_of_another_code():
+    reference = pd.read_csv(ROOT / "tests" / "data" / "codes" / "forces.csv")
+    found = codes.force_checks(codes.compare_forces(reference))
+    assert found
+    assert [check.law for check in found if not check.holds] == []
+
+
+def test_the_documented_page_has_the_numbers_of_the_engine(checks):
+    document = (ROOT / "docs" / "verification.md").read_text()
+    page = document.split(BEGIN)[1].split(END)[0]
+    written = dict(re.findall(r"^\| (.+?) \| (\S+)[^|]* \|", page, re.MULTILINE))
+    noise = 1e-8
+    compared = 0
+    for check in checks:
+        assert check.law in written, f"{check.law}: run make verify"
+        if abs(check.ours) > noise:
+            assert float(written[check.law]) == pytest.approx(check.ours, rel=2e-3), check.law
+            compared += 1
+    assert compared > 40
+
+
+@pytest.mark.parametrize(
+    ("check", "holds"),
+    [
+        (Check("a", 1.01, 1.0, 0.02), True),
+        (Check("a", 1.03, 1.0, 0.02), False),
+        (Check("a", -0.5, 0.0, 0.4, kind="absolute"), False),
+        (Check("a", 3.0, 2.0, kind="at least"), True),
+        (Check("a", 3.0, 2.0, kind="at most"), False),
+        (Check("a", math.nan, 2.0, 1.0), False),
+        (Check("a", math.nan, 2.0, kind="at most"), False),
+    ],
+)
+def test_a_verdict_follows_from_the_numbers(check, holds):
+    assert check.holds is holds
+    assert checks_table(1, [check])["verdict"].item() == (HOLDS if holds else FAILS)
+
+
+def test_an_unknown_kind_is_refused():
+    with pytest.raises(ValueError, match="kind = 'about' is unknown"):
+        Check("a", 1.0, 1.0, kind="about")
+
+
+def test_the_page_states_failures(tmp_path):
+    table = checks_table(1, [Check("one | two", 1.0, 1.0), Check("three", 2.0, 1.0, 0.1)])
+    page = results_page(table)
+    assert page.startswith("1 of 2 checks hold.")
+    assert "one \\| two" in page
+    assert summarise(table) == {"checks": 2, "hold": 1, "failing": ["three"]}
+
+
+def test_the_page_replaces_only_what_stands_between_its_marks():
+    document = f"before\n{BEGIN}\nold\n{END}\nafter\n"
+    assert into_document("new", document) == f"before\n{BEGIN}\n\nnew\n\n{END}\nafter\n"
+    with pytest.raises(ValueError, match="marks"):
+        into_document("new", "no marks")
+
+
+def test_tables_are_written_with_units_and_as_text(tmp_path):
+    table = checks_table(1, [Check("a", 1.0, 1.0, unit="m")])
+    write({"checks": table}, {"checks": tmp_path / "checks.parquet"})
+    assert read_table(tmp_path / "checks.parquet").equals(table)
+    assert read_units(tmp_path / "checks.parquet")["ours"] == "1"
+    assert (tmp_path / "checks.csv").read_text().startswith("part,law")
+
+
+def test_numbers_are_printed_with_four_digits():
+    assert number(0.0123456) == "0.01235"
