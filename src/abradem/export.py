@@ -67,9 +67,7 @@ class Recorder:
         on_plate = particles[(particles["motion"] != GONE) & (particles["plate_stiffness"] != 0.0)]
         pairs = state.pairs[: int(state.tally["pairs"][0])]
         pairs = pairs[pairs["stiffness"] != 0.0]
-        plate = _contacts(
-            on_plate["identity"], np.full(on_plate.size, PLATE), on_plate, "plate_"
-        )
+        plate = _contacts(on_plate["identity"], np.full(on_plate.size, PLATE), on_plate, "plate_")
         between = _contacts(
             particles["identity"][pairs["i"]], particles["identity"][pairs["j"]], pairs, ""
         )

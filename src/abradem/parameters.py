@@ -142,7 +142,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("X19", "damping_ratio", "1", r"\xi", "damping ratio", "derived"),
     Quantity("X20", "damping_coefficient", "kg/s", r"\eta", "damping coefficient", "derived"),
     Quantity("X21", "wear_total_mean", "mm/s", r"\dot h", "wear depth rate", "target"),
-)
+)  # fmt: skip
 
 SAMPLED: tuple[Quantity, ...] = tuple(q for q in QUANTITIES if q.kind == "sampled")
 DERIVED: tuple[Quantity, ...] = tuple(q for q in QUANTITIES if q.kind == "derived")

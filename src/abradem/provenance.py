@@ -29,7 +29,8 @@ NEUTRAL = {
 HARMLESS = {
     "abradem.dataset": (
         "COLUMNS", "Column", "TableError", "WEAR_COLUMNS", "concatenate", "content_hash",
-        "read_json", "read_table", "read_units", "replacing", "wear_column", "write_json", "write_table",
+        "read_json", "read_table", "read_units", "replacing", "wear_column", "write_json",
+        "write_table",
     ),
     "abradem.parameters": ("READINGS", "SAMPLED_NAMES", "STATISTICS"),
 }  # fmt: skip

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from abradem import simulate
 from abradem.dem import islands, synchronous
-from abradem.dem.agenda import make_agenda
+from abradem.dem.agenda import grown_agenda, make_agenda
 from abradem.dem.bounds import first_time_within, time_to_plate
 from abradem.dem.model import Case, ContactModel, Interaction, Setup
-from abradem.dem.state import DONE, GONE, make_problem, make_state
+from abradem.dem.state import DONE, GONE, grown, make_problem, make_state
 
 CASE = Case(6e9, 0.25, 3000, 8e10, 0.3, 7800, 0.5, 0.05, 0.45, 1e-9, 30.0, -30.0, 0.01, -5.0, 3)
 SMALL = Setup(plate_length=0.08, plate_width=0.06, removal_depth=0.05)
@@ -171,6 +171,28 @@ def test_simulate_gives_the_same_result_with_both_steppings():
     np.testing.assert_array_equal(fast.facet_wear, slow.facet_wear)
     assert fast.stderr == slow.stderr
     assert fast.energy["dissipated"] == pytest.approx(slow.energy["dissipated"], rel=1e-12)
+
+
+def test_room_can_be_made_at_any_time():
+    """Over 256 stones are looked up in a grid, which must not outlive the room it was made in."""
+    case = dataclasses.replace(
+        CASE, particle_radius=0.006, particle_velocity_y=-0.05, plate_angle=34.0
+    )
+    problem, schedule = make_problem(case, Setup())
+    slow, fast = make_state(problem, 512), make_state(problem, 512)
+    agenda = make_agenda(problem, 512)
+    steps = 0
+    while steps < 90_000:
+        # Until the crowd is there, growing changes nothing that the other tests do not see.
+        steps += 40 if slow.tally["live"][0] > 256 else 5000
+        assert synchronous.advance(problem, schedule, slow, steps) == DONE
+        assert islands.advance(problem, schedule, fast, agenda, steps) == DONE
+        capacity = fast.particles.size + 1
+        fast, agenda = grown(fast, capacity), grown_agenda(agenda, problem, capacity)
+        if slow.tally["live"][0] > 256 and capacity > 900:
+            break
+    assert slow.tally["live"][0] > 256
+    assert_same(slow, fast)
 
 
 # Bounds

@@ -213,3 +213,47 @@ def test_bad_input_is_named():
 
 def test_all_sampled_features_are_features():
     assert set(SAMPLED_NAMES) < set(FEATURE_NAMES)
+
+
+def test_variance_inflation_is_that_of_a_regression_on_the_others():
+    rng = np.random.default_rng(0)
+    x = rng.standard_normal((400, 3))
+    x[:, 2] = x[:, 0] + 0.5 * rng.standard_normal(400)
+    r = np.corrcoef(x, rowvar=False)
+    np.testing.assert_allclose(linear.variance_inflation(x), np.diag(np.linalg.inv(r)), rtol=1e-9)
+    x[:, 2] = x[:, 0] - 2.0 * x[:, 1]
+    assert np.isinf(linear.variance_inflation(x)).all()
+    x[:, 2] = 7.0
+    assert np.isnan(linear.variance_inflation(x)[2])
+    assert linear.variance_inflation(x)[0] == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_test_of_even_scatter_rejects_as_often_as_it_claims():
+    rng = np.random.default_rng(0)
+    even, uneven = 0, 0
+    for _ in range(200):
+        x = rng.standard_normal((150, 3))
+        noise = rng.standard_normal(150)
+        even += linear.breusch_pagan(x, noise)["p_value"] < 0.05
+        uneven += linear.breusch_pagan(x, noise * np.exp(0.5 * x[:, 0]))["p_value"] < 0.05
+    assert 2 <= even <= 20 and uneven > 150
+
+
+def test_the_statistic_of_even_scatter_is_rows_times_r2_of_squared_residuals():
+    rng = np.random.default_rng(3)
+    x, residual = rng.standard_normal((50, 2)), rng.standard_normal(50)
+    design = np.column_stack([np.ones(50), x])
+    squared = residual**2
+    rest = squared - design @ np.linalg.lstsq(design, squared, rcond=None)[0]
+    found = linear.breusch_pagan(x, residual)
+    assert found["statistic"] == pytest.approx(50 * (1 - rest.var() / squared.var()))
+    assert found["degrees_of_freedom"] == 2
+
+
+def test_as_published_scales_over_all_rows_and_says_so():
+    result = linear.fit_linear(with_target(sampled(60), 0.3), repeats=2)
+    rows = result.scores.query("protocol == 'as_published' and split == 'test'")
+    assert len(rows.query("metric == 'R2'")) == 1
+    assert set(result.predictions["protocol"]) == {"honest", "as_published"}
+    assert set(result.published["verdict"]) == {"another table"}
+    assert result.summary["misprints"] is None

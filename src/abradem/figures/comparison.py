@@ -44,8 +44,9 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
                 colour = COLOURS[protocol]
                 light = 0.45 if (protocol, basis) == (HONEST, FIXED) else 1.0
                 if np.isfinite(row["r2_lower"]):
+                    ends = row[["r2_lower", "r2_upper"]].to_numpy(dtype=float)
                     panel.plot(
-                        [max(row["r2_lower"], LOWEST), row["r2_upper"]], [place + shift] * 2,
+                        np.maximum(ends, LOWEST), [place + shift] * 2,
                         color=colour, lw=1.2, alpha=light, clip_on=False,
                     )  # fmt: skip
                     lows.append(row["r2_lower"])
@@ -99,7 +100,7 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
     fixed = predictions[(predictions["repeat"] == 0) & (predictions["split"] == "test")]
     models = [model for model in MODELS if model in set(fixed["model"])]
     with style.style():
-        figure, axes = style.panels(len(models), 4, 1.75)
+        figure, axes = style.panels(len(models), 4, 2.0)
         most = max(float(fixed["actual"].max()), 1e-300)
         power = style.decade(most)
         unit = 10.0**power
@@ -124,16 +125,16 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
                     & (comparison["protocol"] == protocol)
                     & (comparison["basis"] == FIXED)
                 ]["r2"]
-                words.append(minus(f"{PROTOCOLS[protocol]} {found.iloc[0]:.2f}"))
+                words.append(minus(f"{PROTOCOLS[protocol]}: {found.iloc[0]:.2f}"))
             panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.7, zorder=0)
             panel.set_xlim(-0.04 * most / unit, ends[1])
             panel.set_ylim(*ends)
             panel.set_title(
-                f"{style.letter(index)} {MODELS[model]}\n{', '.join(words)}",
+                "\n".join([f"{style.letter(index)} {MODELS[model]}", *words]),
                 loc="left",
-                fontsize=6.0,
+                fontsize=6.5,
             )
-            panel.tick_params(labelsize=6.0)
+            panel.tick_params(labelsize=6.5)
         label = style.scaled_unit(power, "mm/s")
         for panel in axes[-min(4, len(axes)) :]:
             panel.set_xlabel(f"Simulated ({label})", fontsize=7.0)
@@ -152,7 +153,8 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
         style.caption(
             figure,
             "wear depth rate of the test rows of one split: as published its own (30 % of the rows "
-            "for networks, 20 % else), honest the first split, the same rows for all models; numbers: their $R^2$"
+            "for networks, 20 % else), honest the first split, the same rows for all models; "
+            "numbers: their $R^2$"
             + ("; predictions beyond the frame stand on its edge" if beyond else ""),
         )
     return figure

@@ -31,15 +31,16 @@ def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
     names = list(dict.fromkeys(correlations["feature"]))
     grid = correlations.pivot(index="feature", columns="other", values="correlation")
     with style.style():
-        figure, axes = style.panels(2, 2, 3.1)
+        figure, axes = style.panels(2, 2, 3.3)
         for index, part in enumerate((names[:SPLIT_AT], names[SPLIT_AT:])):
             panel = axes[index]
             values = grid.loc[part, part].to_numpy()
             mesh = panel.imshow(values, cmap=DIVERGING, vmin=-1.0, vmax=1.0)
             for (i, j), value in np.ndenumerate(values):
                 if np.isfinite(value):
+                    shown = _short(value)
                     panel.text(
-                        j, i, minus(f"{round(value, 2) + 0.0:.2f}"), ha="center", va="center", fontsize=4.6,
+                        j, i, shown, ha="center", va="center", fontsize=6.5,
                         color="white" if abs(value) > 0.6 else "black",
                     )  # fmt: skip
             _name_axes(panel, part)
@@ -55,11 +56,17 @@ def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
     return figure
 
 
+def _short(value: float) -> str:
+    """A correlation in the little room of a cell: two decimals, no leading zero."""
+    text = minus(f"{round(value, 2) + 0.0:.2f}")
+    return text if text[-4] == "1" else text.replace("0.", ".", 1)
+
+
 def _name_axes(panel, names) -> None:
     places = range(len(names))
-    panel.set_xticks(places, [f"${quantity(n).tex}$" for n in names], fontsize=6.0)
+    panel.set_xticks(places, [f"${quantity(n).tex}$" for n in names], fontsize=6.5)
     panel.set_yticks(
-        places, [f"{quantity(n).symbol}  ${quantity(n).tex}$" for n in names], fontsize=6.0
+        places, [f"{quantity(n).symbol}  ${quantity(n).tex}$" for n in names], fontsize=6.5
     )
     panel.tick_params(length=0)
 
@@ -75,7 +82,7 @@ def loadings_figure(loadings: pd.DataFrame, scree: pd.DataFrame, summary: dict) 
     """
     protocols = [name for name in (AS_PUBLISHED, HONEST) if name in set(scree["protocol"])]
     with style.style():
-        figure, axes = style.panels(4, 2, 2.4)
+        figure, axes = style.panels(4, 2, 3.0)
         for index, protocol in enumerate(protocols):
             _scree_panel(axes[index], index, scree[scree["protocol"] == protocol], protocol)
         for index, protocol in enumerate(protocols, start=2):
@@ -86,11 +93,11 @@ def loadings_figure(loadings: pd.DataFrame, scree: pd.DataFrame, summary: dict) 
             mesh = panel.imshow(
                 grid.loc[names].to_numpy(), cmap=DIVERGING, vmin=-1.0, vmax=1.0, aspect="auto"
             )
-            panel.set_xticks(range(0, grid.shape[1]), grid.columns, fontsize=5.5)
+            panel.set_xticks(range(0, grid.shape[1]), grid.columns, fontsize=6.5)
             panel.set_yticks(
                 range(len(names)),
                 [f"{quantity(n).symbol}  ${quantity(n).tex}$" for n in names],
-                fontsize=5.0,
+                fontsize=6.5,
             )
             panel.tick_params(length=0)
             panel.set_xlabel("Component")
@@ -116,7 +123,7 @@ def _scree_panel(panel, index, rows, protocol) -> None:
     panel.set_ylim(0.0, 1.05)
     panel.set_xlim(0.3, len(rows) + 0.7)
     panel.set_xticks(rows["component"])
-    panel.tick_params(axis="x", labelsize=5.5)
+    panel.tick_params(axis="x", labelsize=6.5)
     panel.set_xlabel("Component")
     panel.set_ylabel("Share of the variance")
     panel.set_title(

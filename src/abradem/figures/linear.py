@@ -162,7 +162,9 @@ def _coefficient_limit(coefficients: pd.DataFrame) -> float:
 def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) -> list[str]:
     share = 100.0 * model["confidence"]
     rows = model["splits"]["rows"]
-    first = f"{_target_words(model)}; least squares on all {rows} cases, standardised (protocol: {model['protocol']})"
+    first = (
+        f"{_target_words(model)}; least squares on all {rows} cases, standardised: a description"
+    )
     ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
     if not np.isfinite(ends).any():
         return [

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from abradem.figures import style
-from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, MODELS, PROTOCOLS
+from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS
 
 LOWEST = -0.5
 
@@ -37,9 +37,11 @@ def search_figure(history: pd.DataFrame, scores: pd.DataFrame, summaries: dict) 
         style.caption(
             figure,
             "fitness as published: $R^2$ on the test rows themselves; honest: on validation rows "
-            "inside the training rows. (d): one dot for each training of the same net from other "
-            "start weights, scored on the test rows; cross: the fitness that the search reported; "
-            "diamond: the score that counts (as published the best look, honest the first). Nets below the axis stand on its edge",
+            "inside the training rows. (d): found net and the paper's, 449-24-500-385, one dot for "
+            "each training from other start weights, scored on the test rows; cross: the fitness "
+            "that the search reported; "
+            "diamond: the score that counts (as published the best look, honest the first). Nets "
+            "below the axis stand on its edge",
         )
     return figure
 
@@ -111,9 +113,9 @@ def _retrained_panel(panel, scores, protocols) -> None:
                     )  # fmt: skip
                     values.append(by_split[split][0])
             values += list(again)
-            name = "found net" if model == "ga_ann" else MODELS[model]
+            name = "found net" if model == "ga_ann" else "paper's net"
             ticks.append(f"{name}\n{PROTOCOLS[protocol]}")
-    panel.set_xticks(range(len(ticks)), ticks, fontsize=5.8)
+    panel.set_xticks(range(len(ticks)), ticks, fontsize=6.5)
     panel.set_xlim(-0.5, len(ticks) - 0.5)
     finite = [value for value in values if np.isfinite(value)]
     low, high = (min(finite), max(finite)) if finite else (0.0, 1.0)

@@ -32,7 +32,7 @@ def residuals_figure(residuals: pd.DataFrame, coefficients: pd.DataFrame, model:
     matplotlib.figure.Figure
     """
     with style.style():
-        figure, axes = style.panels(3, 3, 2.3)
+        figure, axes = style.panels(3, 3, 3.2)
         _against_fitted(axes[0], residuals, model)
         _quantiles(axes[1], residuals)
         _inflation(axes[2], coefficients)
@@ -87,7 +87,7 @@ def _inflation(panel, coefficients: pd.DataFrame) -> None:
     panel.set_xscale("log")
     panel.set_xlim(0.8, most)
     panel.axvline(HIGH_INFLATION, color=style.BLACK, ls="--", lw=0.8)
-    panel.set_yticks(places, feature_ticks(coefficients["feature"]), fontsize=5.5)
+    panel.set_yticks(places, feature_ticks(coefficients["feature"]), fontsize=6.5)
     panel.tick_params(axis="y", length=0)
     panel.invert_yaxis()
     panel.set_xlabel("Variance inflation factor")
@@ -98,7 +98,7 @@ def _inflation(panel, coefficients: pd.DataFrame) -> None:
             Patch(color=style.ORANGE, label="derived"),
         ],
         loc="center right",
-        fontsize=6.0,
+        fontsize=6.5,
     )
 
 
@@ -123,7 +123,7 @@ def penalised_figure(
     """
     models = list(dict.fromkeys(paths["model"]))
     with style.style():
-        figure, axes = style.panels(6, 3, 2.9)
+        figure, axes = style.panels(6, 3, 3.2)
         # Those that the lasso keeps as published, then the largest of the ridge.
         of_paper = weights[weights["protocol"] == AS_PUBLISHED].assign(
             size=lambda rows: rows["weight"].abs()
@@ -209,15 +209,15 @@ def _weights_panel(panel, index, model, weights) -> None:
     panel.set_xlim(-reach, reach)
     if model == "lasso":
         for place, share in zip(places, rows["survives"], strict=True):
-            panel.text(reach, place, f"{share:.2f}", fontsize=5.0, va="center", ha="right")
+            panel.text(reach, place, f"{share:.2f}", fontsize=6.5, va="center", ha="right")
     panel.axvline(0.0, color=style.BLACK, lw=0.5)
     panel.xaxis.set_major_locator(MaxNLocator(4))
-    panel.set_yticks(places, feature_ticks(features), fontsize=5.5)
+    panel.set_yticks(places, feature_ticks(features), fontsize=6.5)
     panel.tick_params(axis="y", length=0)
     panel.invert_yaxis()
     panel.set_xlabel("Standardised weight")
     panel.set_title(f"{style.letter(index)} {MODELS[model]}: weights", loc="left", fontsize=7.0)
-    panel.legend(loc="lower left", fontsize=5.5, handlelength=1.0)
+    panel.legend(loc="lower left", fontsize=6.5, handlelength=1.0)
 
 
 def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
@@ -234,7 +234,7 @@ def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
     matplotlib.figure.Figure
     """
     with style.style():
-        figure, axes = style.panels(3, 3, 2.6)
+        figure, axes = style.panels(3, 3, 3.3)
         published = selection[selection["protocol"] == AS_PUBLISHED]
         ticks = feature_ticks(published["feature"])
         places = np.arange(len(published))
@@ -246,7 +246,7 @@ def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
             by = ("weight", "loading")[index]
             colours = np.where(published["chosen_by"] == by, style.BLUE, style.LIGHT_GREY)
             panel.barh(places, values, height=0.66, color=colours)
-            panel.set_yticks(places, ticks, fontsize=5.5)
+            panel.set_yticks(places, ticks, fontsize=6.5)
             panel.tick_params(axis="y", length=0)
             panel.invert_yaxis()
             panel.set_xlabel(words)
@@ -272,7 +272,7 @@ def _survival(panel, selection, ticks) -> None:
     listed = honest["in_paper"].to_numpy(dtype=bool)
     panel.plot(np.full(listed.sum(), 1.06), places[listed], "o", color=style.BLACK, ms=3.0)
     panel.set_xlim(0.0, 1.12)
-    panel.set_yticks(places, ticks, fontsize=5.5)
+    panel.set_yticks(places, ticks, fontsize=6.5)
     panel.tick_params(axis="y", length=0)
     panel.invert_yaxis()
     panel.set_xlabel("Share of splits that choose it")

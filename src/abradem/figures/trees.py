@@ -26,7 +26,7 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
         From `abradem.learning.trees.fit_trees`.
     """
     with style.style():
-        figure, axes = style.panels(3, 3, 2.5)
+        figure, axes = style.panels(3, 3, 3.2)
         for index, protocol in enumerate((AS_PUBLISHED, HONEST)):
             panel = axes[index]
             rows = curve[curve["protocol"] == protocol]
@@ -72,7 +72,7 @@ def _importance_panel(panel, importance: pd.DataFrame) -> None:
     for shift, model, colour in ((-0.2, "tree", style.SKY), (0.2, "forest", style.GREEN)):
         rows = importance[importance["model"] == model].set_index("feature").loc[features]
         panel.barh(places + shift, rows["importance"], height=0.4, color=colour, label=model)
-    panel.set_yticks(places, feature_ticks(features), fontsize=5.5)
+    panel.set_yticks(places, feature_ticks(features), fontsize=6.5)
     panel.tick_params(axis="y", length=0)
     panel.invert_yaxis()
     panel.set_xlabel("Importance")
@@ -93,7 +93,7 @@ def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
     with style.style():
         places = _places(rows)
         depth = max((level for _, level in places.values()), default=0)
-        figure, (panel,) = style.panels(1, 1, 0.75 + 0.62 * (depth + 1))
+        figure, (panel,) = style.panels(1, 1, 0.5 + 0.85 * (depth + 1))
         panel.set_axis_off()
         power = style.decade(nodes["predicted"].abs().max())
         for node, (x, level) in places.items():
@@ -104,7 +104,7 @@ def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
                     to_x, to_level = places[child]
                     panel.plot([x, to_x], [-level, -to_level], color=style.GREY, lw=0.8, zorder=1)
                     panel.text(
-                        0.5 * (x + to_x), -0.5 * (level + to_level), words, fontsize=5.5,
+                        0.5 * (x + to_x), -0.5 * (level + to_level), words, fontsize=6.5,
                         color=style.GREY, ha="center", va="center",
                         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
                     )  # fmt: skip
@@ -112,7 +112,7 @@ def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
             panel.text(
                 x, -level, _node_words(row, power, node in places and not leaf and
                                        row["left"] not in places),
-                ha="center", va="center", fontsize=5.5, zorder=2,
+                ha="center", va="center", fontsize=6.5, zorder=2,
                 bbox={
                     "boxstyle": "round,pad=0.3", "lw": 0.7,
                     "facecolor": style.LIGHT_GREY if leaf else "white",
@@ -156,11 +156,10 @@ def _places(rows: dict) -> dict[int, tuple[float, int]]:
 
 
 def _node_words(row: dict, power: int, cut: bool) -> str:
-    mean = f"{row['predicted'] / 10.0**power:.3g}, n = {row['rows']}"
+    mean = f"{row['predicted'] / 10.0**power:.3g}\nn = {row['rows']}"
     if row["left"] < 0:
         return mean
     if cut:
         return f"{mean}\n..."
-    tex, unit = quantity(row["feature"]).tex, style.unit_text(row["unit"])
-    limit = style.number(row["threshold"])
-    return f"${tex}$ ≤ {limit}{' ' + unit if unit else ''}?\n{mean}"
+    name = style.with_unit(f"${quantity(row['feature']).tex}$", row["unit"])
+    return f"{name}\n≤ {style.number(row['threshold'])}\n{mean}"

@@ -179,7 +179,7 @@ def force_checks(forces: pd.DataFrame) -> list[Check]:
         worst = np.sqrt((difference**2).mean()) / part["tangential_force"].abs().max()
         found.append(
             Check(f"{code} ({variant}), {angle:g} deg: F_t(t), root mean square difference", worst,
-                  ALLOWED, kind="at most")
+                  ALLOWED, kind="at most", note="F_t(t) without the first 0.5 us")
         )  # fmt: skip
     return found
 
