@@ -25,6 +25,7 @@ $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--constraint constraints.txt --editable ".[test]"
+	$(BIN)/python -m abradem.dem.warm
 	@touch $@
 
 run: $(STAMP) ## a study and its report: make run, make run STUDY=studies/smoke.yaml

@@ -154,7 +154,7 @@ def test_corrupt_table_of_cases_is_one_line(study, capsys):
 
 def test_interval_without_snapshots_is_one_line(study, capsys):
     assert main(["simulate", "--study", str(study), "--case", "0", "--interval", "1"]) == 2
-    assert one_line(capsys) == "--interval needs --snapshots FILE"
+    assert one_line(capsys) == "--interval needs --snapshots FOLDER"
 
 
 def test_an_error_of_the_program_itself_is_not_hidden(study, monkeypatch):

@@ -35,6 +35,30 @@ CONFIG = ROOT / "config.yaml"
 STUDIES = sorted((ROOT / "studies").glob("*.yaml"))
 
 MALFORMED = {
+    "fewest_layers_above_most": (
+        "study: a\nlearning:\n  ga_ann:\n    min_layers: 7\n",
+        "config.yaml: learning.ga_ann.min_layers: 7: must not exceed max_layers (allowed up to 6)",
+    ),
+    "elites_fill_the_population": (
+        "study: a\nlearning:\n  ga_ann:\n    elites: 10\n",
+        "config.yaml: learning.ga_ann.elites: 10: is too many for a population of 10 (allowed up to 9)",
+    ),
+    "columns_without_a_table": (
+        "study: a\ndataset:\n  columns: {plate_angle: slope}\n",
+        'config.yaml: dataset.columns: {plate_angle: "slope"}: needs the table it is about, dataset.external',
+    ),
+    "column_that_is_no_name": (
+        "study: a\ndataset:\n  external: t.csv\n  columns: {plate_angle: 3}\n",
+        "config.yaml: dataset.columns: {plate_angle: 3}: plate_angle: must be a column's name, or [name, unit] (allowed {name: column} or {name: [column, unit]})",
+    ),
+    "columns_that_are_a_list": (
+        "study: a\ndataset:\n  external: t.csv\n  columns: [slope]\n",
+        'config.yaml: dataset.columns: ["slope"]: must be a section of our names and the table\'s (allowed {name: column} or {name: [column, unit]})',
+    ),
+    "external_that_is_no_path": (
+        "study: a\ndataset:\n  external: 3\n",
+        "config.yaml: dataset.external: 3: must be text; put it in quotes (allowed the path of a file or null)",
+    ),
     "misspelled_section": (
         "study: a\nsimulatoin:\n  gravity: 9.81\n",
         "config.yaml: simulatoin: {gravity: 9.81}: unknown key, did you mean simulation?",

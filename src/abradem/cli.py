@@ -69,8 +69,8 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument(
         "--snapshots",
         type=Path,
-        metavar="FILE",
-        help="write positions, velocities, spins, contact forces and wear (Parquet)",
+        metavar="FOLDER",
+        help="write particles, contacts and wear at intervals (three Parquet files)",
     )
     simulate.add_argument(
         "--interval",
@@ -127,7 +127,7 @@ def _simulate(options: argparse.Namespace) -> int:
     from abradem.shards import run_case
 
     if options.interval is not None and options.snapshots is None:
-        raise InputError("--interval needs --snapshots FILE")
+        raise InputError("--interval needs --snapshots FOLDER")
     config = read_config(_existing(options.study) / "config.yaml")
     setup = setup_dict(config)
     row = find_case(options.study, options.case)

@@ -810,7 +810,10 @@ def _origin(key: Key, value: Any, sources: Sequence[tuple[str, dict]], given: bo
         elif found is not _MISSING and repr(found) == repr(value):
             return shown
     if sources and (value is _MISSING or not given):
-        # What is missing, or left at its default, should have been in the first file.
+        # What is missing belongs where its section was last given, else in the first file.
+        for shown, values in reversed(sources):
+            if len(key) > 1 and isinstance(_lookup(values, key[:-1]), dict):
+                return shown
         return sources[0][0]
     return COMMAND_LINE
 
@@ -994,6 +997,8 @@ def _constraints(field: FieldInfo) -> list:
 
 def _conflicts(config: Config) -> Iterator[tuple[Key, str]]:
     """Yield key and problem for values that are fine alone but not together."""
+    if config.study == "verification":
+        yield ("study",), "is taken by the results of make verify (allowed: another name)"
     simulation = config.simulation
     yield from _feed_conflicts(simulation.factory)
 

@@ -247,6 +247,24 @@ def test_a_missing_graphics_card_is_one_line():
         search(problem(), SMALL, QUICK, device="cuda")
 
 
+def test_on_a_graphics_card_networks_of_equal_depth_are_one_batch(monkeypatch):
+    depths = []
+    original = genetic.train
+
+    def on_the_processor(starts, seeds, x, y, training, device):
+        assert device == "cuda"
+        depths.append([len(net.weights) for net in starts])
+        return original(starts, seeds, x, y, training, "cpu")
+
+    expected = search(problem(), SMALL._replace(generations=1), QUICK, seed=1)
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+    monkeypatch.setattr(genetic, "train", on_the_processor)
+    found = search(problem(), SMALL._replace(generations=1), QUICK, seed=1, device="cuda")
+    assert all(len(set(batch)) == 1 for batch in depths)
+    assert len(depths) - 1 == found.history["layers"].str.count("-").nunique()
+    np.testing.assert_allclose(found.history["fitness"], expected.history["fitness"], atol=1e-3)
+
+
 def test_equal_chromosomes_have_equal_keys():
     assert Chromosome((3, 4), 5).key == Chromosome((3, 4), 5).key
     keys = {Chromosome(*gene).key for gene in (((3, 4), 5), ((4, 3), 5), ((3, 4), 6))}

@@ -17,22 +17,29 @@ from pathlib import Path
 
 import pytest
 import yaml
+from tables import product_law
 
 from abradem.dataset import read_table
+from abradem.parameters import SAMPLED_NAMES
 
 ROOT = Path(__file__).parents[2]
 SMOKE = "studies/smoke.yaml"
 BLOCKS, SHARDS_PER_BLOCK = 2, 2
 SHARDS = BLOCKS * SHARDS_PER_BLOCK
 
-FIGURES = {
-    "figure_series": 1, "figure_maps": 1, "figure_quality": 1, "figure_coefficients": 1,
-    "figure_predicted": 1,
+OF_LINEAR = {"figure_coefficients": 1, "figure_residuals": 1, "figure_predicted": 1}
+OF_LEARNING = {
+    **OF_LINEAR, "figure_penalised": 1, "figure_selection": 1, "figure_pca": 1, "figure_trees": 1,
+    "figure_ga_ann": 1, "figure_comparison": 1,
 }  # fmt: skip
-AFTER_DATASET = {
-    "linear": 1, "figure_quality": 1, "figure_coefficients": 1, "figure_predicted": 1,
-    "summary": 1, "table": 3, "all": 1,
+FIGURES = {"figure_series": 1, "figure_maps": 1, "figure_quality": 1, **OF_LEARNING}
+# The tables of scores, comparison and beside_paper follow every model.
+AFTER_SCORES = {"scores": 1, "figure_comparison": 1, "summary": 1, "table": 3}
+LEARNING = {
+    "linear": 1, "penalised": 1, "pca": 1, "selection": 1, "trees": 1, "ga_ann": 2, **OF_LEARNING,
+    "scores": 1, "summary": 1, "table": 7,
 }  # fmt: skip
+AFTER_DATASET = {**LEARNING, "figure_quality": 1, "table": 8, "all": 1}
 AFTER_WEAR_RATES = {"failures": 1, "dataset": 1, **AFTER_DATASET}
 AFTER_SIMULATION = {"wear_rates": SHARDS, **AFTER_WEAR_RATES, **FIGURES}
 EVERYTHING = {
@@ -171,9 +178,19 @@ def test_the_report_holds_all_and_needs_no_network(project):
     assert made.returncode == 0, made.stdout
     assert "WARNING" not in made.stdout
     html = report.read_text(encoding="utf-8")
-    for name in ("series", "maps", "quality", "coefficients", "predicted"):
+    for name in (
+        "series", "maps", "quality", "coefficients", "residuals", "predicted", "penalised",
+        "selection", "correlations", "loadings", "components", "tree_depth", "tree", "ga_ann",
+        "comparison", "predictions",
+    ):  # fmt: skip
         assert f"figures/{name}.png" in html
-    for name in ("dataset.parquet", "linear.json", "scores.csv", "failures.csv", "versions.json"):
+    for name in (
+        "dataset.parquet",
+        "linear.json",
+        "scores.csv",
+        "beside_paper.csv",
+        "failures.csv",
+    ):
         assert name in html
     assert "12 parameter sets" in html
     assert not re.search(r'<(script|link|img)[^>]+(src|href)="https?:', html)
@@ -197,13 +214,15 @@ def test_an_edited_wear_rate_reruns_wear_rates_and_what_follows(project):
         ("src/abradem/figures/maps.py", {"figure_maps": 1}),
         ("src/abradem/figures/linear.py", {"figure_coefficients": 1, "figure_predicted": 1}),
         ("src/abradem/figures/style.py", FIGURES),
-        ("src/abradem/learning/linear.py", {
-            "linear": 1, "figure_coefficients": 1, "figure_predicted": 1, "summary": 1, "table": 2,
-        }),
+        ("src/abradem/learning/linear.py", {**AFTER_SCORES, "linear": 1, **OF_LINEAR, "table": 5}),
+        ("src/abradem/learning/trees.py", {**AFTER_SCORES, "trees": 1, "figure_trees": 1}),
+        ("src/abradem/learning/genetic.py", {**AFTER_SCORES, "ga_ann": 2, "figure_ga_ann": 1}),
+        ("src/abradem/learning/comparison.py", AFTER_SCORES),
+        ("src/abradem/external.py", {}),
         ("src/abradem/features.py", AFTER_WEAR_RATES),
         ("src/abradem/shards.py", EVERYTHING),
         ("src/abradem/dem/synchronous.py", EVERYTHING),
-        ("workflow/scripts/table.py", {"table": 3}),
+        ("workflow/scripts/table.py", {"table": 8}),
         ("src/abradem/config.py", {}),
         ("src/abradem/progress.py", {}),
     ],
@@ -254,10 +273,17 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
         }),
         ({"wear_rate": {"good_r2": 0.9}}, {"figure_quality": 1, "summary": 1}),
         ({"features": {"damping_coefficient": "printed"}}, {
-            "dataset": 1, **AFTER_DATASET, "table": 2,
+            "dataset": 1, **AFTER_DATASET, "table": 7,
         }),
-        ({"learning": {"linear": {"repeats": 3}}}, {
-            "linear": 1, "figure_coefficients": 1, "figure_predicted": 1, "summary": 1, "table": 2,
+        ({"learning": {"trees": {"forest_trees": 9}}}, {
+            **AFTER_SCORES, "trees": 1, "figure_trees": 1,
+        }),
+        ({"learning": {"ga_ann": {"mutation": 0.3}}}, {
+            **AFTER_SCORES, "ga_ann": 2, "figure_ga_ann": 1,
+        }),
+        ({"learning": {"bootstrap": 300}}, AFTER_SCORES),
+        ({"learning": {"penalised": {"path_points": 9}}}, {
+            **AFTER_SCORES, "penalised": 1, "figure_penalised": 1, "table": 4,
         }),
         ({"figures": {"series_cases": [1, 2]}}, {"figure_series": 1, "figure_maps": 1}),
         ({"simulation": {"export": {"cases": [1]}}}, {"export": 1}),
@@ -281,6 +307,46 @@ def test_an_export_holds_snapshots_of_its_case_and_reruns_no_simulation(project)
     particles = read_table(folder / "particles.parquet")
     assert particles["time"].nunique() > 2 and particles["y"].notna().all()
     assert {path.stem for path in folder.iterdir()} == {"particles", "contacts", "wear"}
+
+
+# A table from elsewhere
+
+
+def external_overlay(project, **values):
+    path = project.root / "studies" / "elsewhere.yaml"
+    learning = yaml.safe_load((project.root / SMOKE).read_text())["learning"]
+    path.write_text(yaml.safe_dump({"study": "elsewhere", "dataset": values, "learning": learning}))
+    return ("studies/elsewhere.yaml",)
+
+
+def test_an_external_table_is_learned_from_and_nothing_is_simulated(project):
+    table = product_law(24)[[*SAMPLED_NAMES, "wear_total_mean"]]
+    table.rename(columns={"plate_angle": "slope"}).to_csv(project.root / "t.csv", index=False)
+    overlays = external_overlay(project, external="t.csv", columns={"plate_angle": "slope"})
+    pending = project.pending(overlays=overlays)
+    assert pending == {"dataset": 1, "provenance": 1, "all": 1, **LEARNING}
+    assert project.run("dataset", overlays=overlays) == {"dataset": 1}
+    found = read_table(project.root / "results" / "elsewhere" / "dataset.parquet")
+    assert len(found) == 24 and "plate_angle" in found
+    project.run("results/elsewhere/summary.json", overlays=overlays)
+    summary = json.loads((project.root / "results" / "elsewhere" / "summary.json").read_text())
+    assert summary["external"] == "t.csv" and summary["cases"] == 24
+
+
+def test_a_bad_external_table_is_one_line_for_each_problem(project):
+    table = product_law(24)[[*SAMPLED_NAMES, "wear_total_mean"]]
+    table.loc[4, "restitution"] = 2.0
+    table.to_csv(project.root / "bad.csv", index=False)
+    overlays = external_overlay(project, external="bad.csv")
+    refused = project.snakemake("dataset", overlays=overlays)
+    assert refused.returncode != 0
+    line = "bad.csv: row 5: restitution = 2 must lie in [0.05, 1] 1"
+    assert any(text.startswith(line) for text in refused.stdout.splitlines())
+    overlays = external_overlay(project, external="nowhere.csv")
+    refused = project.snakemake("--dry-run", overlays=overlays)
+    assert refused.stdout.splitlines()[-1] == (
+        "dataset.external: nowhere.csv: there is no such file"
+    )
 
 
 # Growth

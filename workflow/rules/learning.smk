@@ -196,6 +196,8 @@ rule ga_ann:
         networks=LEARNING.ga_ann.model_dump(),
         options={
             "features": LEARNING.selection.features,
+            "lasso_alpha": LEARNING.penalised.lasso_alpha,
+            "ridge_alpha": LEARNING.penalised.ridge_alpha,
             "test_share": LEARNING.test_share,
             "seed": CONFIG.seed,
         },

@@ -6,6 +6,8 @@ localrules:
 rule simulation:
     input:
         shard_paths(f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet"),
+        # With it, `abradem simulate` repeats a case of these very simulations.
+        f"{RESULTS}/config.yaml",
 
 
 # A shard depends on its block's cases alone, so that a study grows by its new blocks.

@@ -1,6 +1,6 @@
 """Release of particles: from the factory's patch at a given rate, or from a given schedule.
 
-The k-th particle is due at k / rate. Its place on the patch is drawn until it overlaps nothing;
+The k-th particle, counted from 0, is due at (k + 1/2) / rate. Its place on the patch is drawn until it overlaps nothing;
 what finds no room waits and tries again, in turn, so that a crowded patch delivers less.
 """
 
@@ -23,14 +23,14 @@ from abradem.dem.state import (
     energy_of,
 )
 
-TRIES = 20
+TRIES = 100
 """Places tried for a particle before it waits."""
 
 
 @kernel
 def due_step(problem, k):
     """Lattice step at which particle k of the factory is due."""
-    return np.int64(math.ceil(k / (problem.rate * problem.dt)))
+    return np.int64(math.ceil((k + 0.5) / (problem.rate * problem.dt)))
 
 
 @kernel

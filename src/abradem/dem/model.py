@@ -33,6 +33,11 @@ class Material:
     poisson_ratio: float
     density: float
 
+    def __post_init__(self):
+        _check_number("shear_modulus", self.shear_modulus, above=0.0)
+        _check_number("poisson_ratio", self.poisson_ratio, above=-1.0, most=0.5)
+        _check_number("density", self.density, above=0.0)
+
     @property
     def youngs_modulus(self) -> float:
         """E = 2 G (1 + nu), Pa."""
@@ -46,6 +51,11 @@ class Interaction:
     restitution: float
     static_friction: float
     rolling_friction: float = 0.0
+
+    def __post_init__(self):
+        _check_number("restitution", self.restitution, above=0.0, most=1.0)
+        _check_number("static_friction", self.static_friction, least=0.0)
+        _check_number("rolling_friction", self.rolling_friction, least=0.0)
 
 
 @dataclass(frozen=True)
@@ -98,6 +108,17 @@ class Case:
     particle_radius: float
     particle_velocity_y: float
     seed: int = 0
+
+    def __post_init__(self):
+        # The materials and the interaction check what is theirs.
+        _ = self.particle, self.plate, self.interaction
+        _check_number("archard_constant", self.archard_constant, above=0.0)
+        _check_number("plate_angle", self.plate_angle, least=-90.0, most=90.0)
+        _check_number("factory_angle", self.factory_angle, least=-180.0, most=180.0)
+        _check_number("particle_radius", self.particle_radius, above=0.0)
+        _check_number("particle_velocity_y", self.particle_velocity_y)
+        if not 0 <= self.seed < 2**63:
+            raise ValueError(f"seed = {self.seed!r} is outside [0, 2^63)")
 
     @property
     def particle(self) -> Material:
@@ -186,18 +207,17 @@ class Setup:
         _check_choice("stepping", self.stepping, STEPPINGS)
         if (self.mass_rate is None) == (self.number_rate is None):
             raise ValueError("give exactly one of mass_rate and number_rate")
+        _check_number("gravity", self.gravity, least=0.0)
+        _check_number("fall_height", self.fall_height, least=0.0)
         for name in (
             "plate_length", "plate_width", "facet_size", "patch_length", "patch_width",
             "removal_depth", "time_step_fraction", "window", "max_time", "target_stderr",
             "sample_interval",
         ):  # fmt: skip
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise ValueError(f"{name} must be finite and positive, got {value!r}")
+            _check_number(name, getattr(self, name), above=0.0)
         for name in ("mass_rate", "number_rate", "time_step", "duration"):
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value > 0):
-                raise ValueError(f"{name} must be finite and positive, got {value!r}")
+            if getattr(self, name) is not None:
+                _check_number(name, getattr(self, name), above=0.0)
         if self.max_time <= self.window:
             raise ValueError(f"max_time = {self.max_time!r} must exceed window = {self.window!r}")
 
@@ -331,3 +351,17 @@ def as_dict(record) -> dict:
 def _check_choice(name: str, value: str, allowed: tuple[str, ...]) -> None:
     if value not in allowed:
         raise ValueError(f"{name} = {value!r} is unknown; allowed: {', '.join(allowed)}")
+
+
+def _check_number(name: str, value, least=-np.inf, most=np.inf, above=-np.inf) -> None:
+    """Refuse what is no finite number within [least, most] and above ``above``."""
+    try:
+        fine = np.isfinite(value) and least <= value <= most and value > above
+    except TypeError:
+        fine = False
+    if not fine:
+        low = f"above {above:g}" if above > -np.inf else f"at least {least:g}"
+        limits = [low] if max(above, least) > -np.inf else []
+        limits += [f"at most {most:g}"] if most < np.inf else []
+        allowed = f" ({', '.join(limits)})" if limits else ""
+        raise ValueError(f"{name} = {value!r} must be a finite number{allowed}")

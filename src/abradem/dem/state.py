@@ -26,6 +26,9 @@ PAIRS_PER_PARTICLE = 8
 OVERLAP_STOP = 0.2
 """Overlap, as a share of the radius, above which a case is stopped."""
 
+RETRY = 5e-4
+"""A stone that found no room waits so long for those before it to move on, s."""
+
 # Motion of a particle.
 GONE, FLYING, WAKING, TOUCHING = 0, 1, 2, 3
 
@@ -193,8 +196,7 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
         removal_height=lowest - setup.removal_depth,
         scheduled=releases is not None,
         rate=rate,
-        # A stone that found no room waits until a falling one has moved on a little.
-        retry_steps=max(1, round(1e-3 / dt)),
+        retry_steps=max(1, round(RETRY / dt)),
         seed=case.seed,
         patch_cos=math.cos(tilt),
         patch_sin=math.sin(tilt),

@@ -28,7 +28,7 @@ def search_figure(history: pd.DataFrame, scores: pd.DataFrame, summaries: dict) 
     protocols = [name for name in (AS_PUBLISHED, HONEST) if name in summaries]
     with style.style():
         figure, axes = style.panels(4, 2, 2.2)
-        low = max(min(0.0, float(history["fitness"].quantile(0.05))), LOWEST)
+        low = max(float(history["fitness"].quantile(0.03)) - 0.05, LOWEST)
         for index, protocol in enumerate(protocols):
             rows = history[history["protocol"] == protocol]
             _fitness_panel(axes[index], index, rows, summaries[protocol], low)
@@ -63,7 +63,7 @@ def _fitness_panel(panel, index, rows, summary, low) -> None:
         descent["generation"] + 1, descent["fitness"], "o", ms=3.2, mfc="none", mew=0.8,
         color=style.BLACK, label="descent of the best",
     )  # fmt: skip
-    panel.set_ylim(low - 0.05, 1.02)
+    panel.set_ylim(low - 0.04 * (1.0 - low), 1.0 + 0.02 * (1.0 - low))
     panel.set_xlabel("Generation")
     panel.xaxis.get_major_locator().set_params(integer=True)
     panel.set_ylabel("Fitness ($R^2$)")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pandas as pd
-
 from abradem.figures import style
 from abradem.parameters import quantity
 
@@ -25,20 +23,9 @@ MODELS = {
 }
 
 
-def protocol_words(protocol: str) -> str:
-    """The protocol as a panel's title says it."""
-    return f"protocol: {PROTOCOLS[protocol]}"
-
-
 def feature_ticks(names) -> list[str]:
     """Tick labels of features: X number and symbol."""
     return [f"{quantity(name).symbol}  ${quantity(name).tex}$" for name in names]
-
-
-def r2_limits(values: pd.Series, floor: float = -1.0) -> tuple[float, float]:
-    """Axis of R2: up to 1, down to the lowest value but not below ``floor``."""
-    low = float(values.min()) if values.notna().any() else 0.0
-    return max(min(low, 0.0) - 0.05, floor), 1.05
 
 
 def minus(text: str) -> str:

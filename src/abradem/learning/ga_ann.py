@@ -88,14 +88,21 @@ def settings(options: Mapping) -> dict:
 
 
 def honest_split(
-    table: Table, train: np.ndarray, test: np.ndarray, validation_share: float, count: int, seed
+    table: Table,
+    train: np.ndarray,
+    test: np.ndarray,
+    validation_share: float,
+    count: int,
+    seed: list[int],
+    lasso_alpha: float = 0.1,
+    ridge_alpha: float = 1.0,
 ) -> Split:
     """Part the training rows, choose features and fit scalers without the other rows."""
     x, y = table.features, table.target
     shuffled = np.random.default_rng(seed).permutation(train)
     checked = held_out(len(train), validation_share)
     fit, look = np.sort(shuffled[checked:]), np.sort(shuffled[:checked])
-    columns, _ = select(x[fit], y[fit], count)
+    columns, _ = select(x[fit], y[fit], count, lasso_alpha, ridge_alpha)
     return Split(
         fit,
         look,
@@ -130,6 +137,8 @@ def fit_networks(
     training: Training = Training(),  # noqa: B008  (immutable)
     final: Training = Training(epochs=60, batch=50),  # noqa: B008  (immutable)
     features: int = 12,
+    lasso_alpha: float = 0.1,
+    ridge_alpha: float = 1.0,
     validation_share: float = 0.25,
     retrainings: int = 10,
     searches: int = 1,
@@ -153,6 +162,8 @@ def fit_networks(
         Of the found net.
     features : int
         Number of features that honest searches choose.
+    lasso_alpha, ridge_alpha : float
+        Penalties behind that choice, see `abradem.learning.selection`.
     validation_share : float
         Share of the training rows that give the fitness (honest).
     retrainings : int
@@ -173,8 +184,10 @@ def fit_networks(
     if protocol == AS_PUBLISHED:
         splits = [published_network_split(table)]
     else:
+        choice = validation_share, features
+        penalties = lasso_alpha, ridge_alpha
         splits = [
-            honest_split(table, *rows, validation_share, features, [seed, repeat, 1])
+            honest_split(table, *rows, *choice, [seed, repeat, 1], *penalties)
             for repeat, rows in enumerate(repeated_splits(table.keys, test_share, searches, seed))
         ]
     histories, found, counted = [], [], []

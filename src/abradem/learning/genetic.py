@@ -102,7 +102,7 @@ class Search(NamedTuple):
     """What a search found.
 
     ``history`` has one row per individual: generation, individual, layers, parameters,
-    weights_seed, parent_a, parent_b, origin, fitness, trained. ``lineage`` is the descent of the
+    weights_seed, parent_a, parent_b, origin, fitness. ``lineage`` is the descent of the
     best: its generation and number, then those of its first parents back to the start.
     """
 
@@ -212,9 +212,9 @@ def search(
     with _trainer(problem, training, cores, device) as trainer:
         population = _first(options, _generator(seed, 0))
         for generation in range(options.generations):
-            trained = _evaluate(population, problem, options, memory, trainer)
+            _evaluate(population, problem, options, memory, trainer)
             fitness = np.array([memory.fitness[one.chromosome.key] for one in population])
-            rows += _rows(generation, population, fitness, trained, problem.x.shape[1])
+            rows += _rows(generation, population, fitness, problem.x.shape[1])
             generations.append(population)
             top = int(np.argmax(fitness))
             if fitness[top] > best_fitness or best is None:
@@ -373,8 +373,8 @@ def _evaluate(
     options: Options,
     memory: Memory,
     trainer: _Trainer,
-) -> set[str]:
-    """Train what was not met before; returns the keys trained."""
+) -> None:
+    """Train what was not met before."""
     inherit = options.weights == "inherited"
     new = {
         one.chromosome.key: one.chromosome
@@ -390,7 +390,6 @@ def _evaluate(
         chromosomes, trainer.fitnesses(chromosomes, heritages, inherit), strict=False
     ):
         memory.add(chromosome.key, fitness, network)
-    return set(new)
 
 
 class _Trainer:
@@ -486,7 +485,7 @@ def _trainer(problem: Problem, training: Training, cores: int, device: str) -> I
         torch.set_num_threads(threads)
 
 
-def _rows(generation, population, fitness, trained, inputs) -> list[dict]:
+def _rows(generation, population, fitness, inputs) -> list[dict]:
     rows = []
     for i, one in enumerate(population):
         layers = one.chromosome.layers

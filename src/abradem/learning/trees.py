@@ -32,7 +32,7 @@ from abradem.learning.protocols import (
     repeated_splits,
 )
 from abradem.learning.scores import r2, scores_of
-from abradem.learning.table import Table
+from abradem.learning.table import Table, standard_scaler
 from abradem.parameters import FEATURE_NAMES, quantity
 
 TREE, FOREST = "tree", "forest"
@@ -207,8 +207,6 @@ def _published_depths(table: Table, max_depth: int) -> pd.DataFrame:
 
 
 def _honest_depths(table, max_depth, test_share, repeats, confidence, seed) -> pd.DataFrame:
-    from abradem.learning.table import standard_scaler
-
     found = np.array(
         [
             _depths(
