@@ -14,7 +14,7 @@ FILES := config.yaml $(filter-out config.yaml,$(STUDY))
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup run verify test lint clean
+.PHONY: help setup run verify bench test lint clean
 
 help: ## this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -36,6 +36,9 @@ run: $(STAMP) ## a study and its report: make run, make run STUDY=studies/smoke.
 
 verify: $(STAMP) ## the engine against what is known: results/verification/results.md
 	@$(BIN)/snakemake verification $(ARGS) && echo results/verification/results.md
+
+bench: $(STAMP) ## the engine's two steppings timed against each other
+	$(BIN)/python benchmarks/speed.py
 
 test: $(STAMP) ## all tests
 	$(BIN)/python -m pytest

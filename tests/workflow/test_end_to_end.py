@@ -218,7 +218,6 @@ def test_an_edited_wear_rate_reruns_wear_rates_and_what_follows(project):
         ("src/abradem/learning/trees.py", {**AFTER_SCORES, "trees": 1, "figure_trees": 1}),
         ("src/abradem/learning/genetic.py", {**AFTER_SCORES, "ga_ann": 2, "figure_ga_ann": 1}),
         ("src/abradem/learning/comparison.py", AFTER_SCORES),
-        ("src/abradem/external.py", {}),
         ("src/abradem/features.py", AFTER_WEAR_RATES),
         ("src/abradem/shards.py", EVERYTHING),
         ("src/abradem/dem/synchronous.py", EVERYTHING),

@@ -79,6 +79,13 @@ def figure_files(name, label):
     return [figure_file(name, label, suffix) for suffix in FORMATS]
 
 
+def part_files(part, suffix):
+    """Files of the tables of a part of the verification study, by their names."""
+    return {
+        table: f"{VERIFIED}/tables/{part}_{table}.{suffix}" for table in PARTS[part]
+    }
+
+
 def to_simulate(jobs):
     """The shards, as the monitor knows them, among the jobs of a run."""
     return {

@@ -190,6 +190,8 @@ rule ga_ann:
         protocol="|".join(PROTOCOLS),
     conda:
         "../envs/abradem.yaml"
+    # After the cheap models.
+    priority: -1
     threads: LEARNING.ga_ann.population
     params:
         table=LEARNED_FROM,

@@ -41,13 +41,6 @@ VERIFICATION_FIGURES = {
 VERIFICATION_FORMATS = ["pdf", "png"]
 
 
-def part_files(part, suffix):
-    """Files of a part's tables by their names."""
-    return {
-        table: f"{VERIFIED}/tables/{part}_{table}.{suffix}" for table in PARTS[part]
-    }
-
-
 rule verification:
     input:
         f"{VERIFIED}/results.md",

@@ -1,7 +1,8 @@
 """Release of particles: from the factory's patch at a given rate, or from a given schedule.
 
-The k-th particle, counted from 0, is due at (k + 1/2) / rate. Its place on the patch is drawn until it overlaps nothing;
-what finds no room waits and tries again, in turn, so that a crowded patch delivers less.
+The k-th particle, counted from 0, is due at (k + 1/2) / rate. Its place on the patch is drawn
+until it overlaps nothing; what finds no room waits and tries again, in turn, so that a crowded
+patch delivers less.
 """
 
 from __future__ import annotations

@@ -196,7 +196,8 @@ def forces_figure(forces: pd.DataFrame) -> Figure:
             for name in ("normal_force", "tangential_force"):
                 panel.plot(time, part[name], ".", color=style.BLACK, ms=2,
                            label=part["code"].iloc[0])  # fmt: skip
-            panel.set_title(f"{variant}, {angle:g}°", loc="left", fontsize=6)
+            first, _, rest = variant.partition(", ")
+            panel.set_title(f"{first}, {angle:g}°\n{rest}", loc="left", fontsize=6.5)
             panel.set_xlabel("Time (µs)")
             panel.set_ylabel("Force (N)")
         return _finish(figure, panels, "e = 0.5, µ = 0.45, 3.9 m/s, the same options")
@@ -252,7 +253,7 @@ def coverage_figure(replicates: pd.DataFrame) -> Figure:
         return _finish(figure, [panel], "one jet, replicates differ in the seed")
 
 
-_SHOWN_ANGLES = (0.0, 10.0, 20.0, 30.0, 45.0, 70.0)
+_SHOWN_ANGLES = (0.0, 10.0, 20.0, 30.0, 45.0)
 
 
 def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:

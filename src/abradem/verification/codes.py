@@ -112,8 +112,7 @@ EXPLAINED = {
     ),
     "incremental, capped, clipped": (
         0.20,
-        "in slip its spring becomes the cap less the damping, which feeds energy in; with "
-        "that choice planted into our engine all differences are below 0.005 %",
+        "in slip its spring becomes the cap less the damping, ours stays within the cap",
     ),
 }
 """Variants with differences above `ALLOWED`: how large they may be, and the choice behind it."""
