@@ -188,10 +188,10 @@ rule ga_ann:
         f"{LOGS}/ga_ann_{{protocol}}.log",
     wildcard_constraints:
         protocol="|".join(PROTOCOLS),
-    conda:
-        "../envs/abradem.yaml"
     # After the cheap models.
     priority: -1
+    conda:
+        "../envs/abradem.yaml"
     threads: LEARNING.ga_ann.population
     params:
         table=LEARNED_FROM,
