@@ -27,8 +27,6 @@ rule wear_rates:
 # A rule of its own, so that they are written whatever is wrong with the data set.
 rule failures:
     input:
-        # Not read: it is to be there, and true, whenever there is a data set.
-        config=ancient(f"{RESULTS}/config.yaml"),
         cases=rules.join_cases.output,
         rates=WEAR_RATES,
         runs=RUNS,
