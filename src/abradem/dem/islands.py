@@ -319,10 +319,19 @@ def _welcome(problem, state, agenda, first):
         for new in range(first, tally.live):
             if not _introduce(problem, state, agenda, agenda.awake[k], new):
                 return False
-    for new in range(first, tally.live):
-        if _may_sleep(problem, state, agenda, new, tally.step):
-            agenda.asleep[new] = True
-        elif not _wake(problem, state, agenda, new, tally.step):
+    return _settle(problem, state, agenda, first)
+
+
+@kernel
+def _settle(problem, state, agenda, first):
+    """Put the flying from index ``first`` on to sleep, or wake them; False if a row is too full."""
+    tally, clock = state.tally[0], agenda.clock[0]
+    for i in range(first, tally.live):
+        if state.particles[i].motion != FLYING:
+            continue
+        if _may_sleep(problem, state, agenda, i, tally.step):
+            agenda.asleep[i] = True
+        elif not _wake(problem, state, agenda, i, tally.step):
             return False
     if clock.limit < 0.0:
         return raise_limit(problem, state, agenda, -clock.limit, tally.step)
@@ -360,6 +369,14 @@ def _refresh(problem, state):
             fly_to(problem, particle, state.tally[0].step)
 
 
+@kernel(inline=True)
+def _copy_memory(source, target):
+    """Copy what an open contact remembers between a row and the pair list."""
+    target.stiffness = source.stiffness
+    target.sx, target.sy, target.sz = source.sx, source.sy, source.sz
+    target.fn, target.tx, target.ty, target.tz = source.fn, source.tx, source.ty, source.tz
+
+
 @kernel
 def _publish(problem, state, agenda):
     """Leave positions and open pair contacts as `synchronous` leaves them."""
@@ -372,9 +389,8 @@ def _publish(problem, state, agenda):
             near = agenda.rows[i, m]
             if near.stiffness != 0.0:
                 pair = pairs[found]
-                pair.i, pair.j, pair.stiffness = i, near.j, near.stiffness
-                pair.sx, pair.sy, pair.sz = near.sx, near.sy, near.sz
-                pair.fn, pair.tx, pair.ty, pair.tz = near.fn, near.tx, near.ty, near.tz
+                pair.i, pair.j = i, near.j
+                _copy_memory(near, pair)
                 found += 1
     tally.pairs = found
 
@@ -410,19 +426,8 @@ def _hand_back(problem, state, agenda):
         for m in range(agenda.row_size[pair.i]):
             near = agenda.rows[pair.i, m]
             if near.j == pair.j and pair.stiffness != 0.0:
-                near.stiffness = pair.stiffness
-                near.sx, near.sy, near.sz = pair.sx, pair.sy, pair.sz
-                near.fn, near.tx, near.ty, near.tz = pair.fn, pair.tx, pair.ty, pair.tz
-    for i in range(tally.live):
-        if particles[i].motion != FLYING:
-            continue
-        if _may_sleep(problem, state, agenda, i, tally.step):
-            agenda.asleep[i] = True
-        elif not _wake(problem, state, agenda, i, tally.step):
-            return False
-    if clock.limit < 0.0:
-        return raise_limit(problem, state, agenda, -clock.limit, tally.step)
-    return True
+                _copy_memory(pair, near)
+    return _settle(problem, state, agenda, 0)
 
 
 @kernel
