@@ -11,8 +11,8 @@ What was tried: flat weight vectors with hand-written gradients and the fused op
 one network per core with one thread (kept, processes: threads share the interpreter's lock);
 the largest first (kept); repeated chromosomes from memory (kept); padding to one batch (no gain
 on a processor, kept for graphics cards); grouping by depth (only of use to batches); stopping
-hopeless networks early (left out: a search takes well under its limit without it, and the
-score of a network would depend on what others reached).
+hopeless networks early (left out: against others, the score of a network would depend on them;
+against a fixed bar, few networks are below it, see docs/learning.md).
 """
 
 from __future__ import annotations

@@ -185,3 +185,76 @@ def test_our_own_names_need_no_mapping(tmp_path):
     path = tmp_path / "t.csv"
     linear_law(20)[[*SAMPLED_NAMES, "wear_total_mean"]].to_csv(path, index=False)
     assert len(read_external(path)) == 20
+
+
+def test_a_data_set_of_our_own_is_a_table_like_any_other(tmp_path):
+    table = product_law(20).assign(wear_sliding_p99=0.0, wear_friction_mean=-0.1)
+    table["case_id"] += 7
+    path = tmp_path / "dataset.parquet"
+    # Rows in another order are the same table: cases keep their numbers.
+    write_table(table.sample(frac=1.0, random_state=1), path)
+    found = read_external(path).sort_values("case_id", ignore_index=True)
+    for name in ("case_id", *FEATURE_NAMES, "wear_total_mean", "wear_sliding_p99"):
+        np.testing.assert_array_equal(found[name], table[name])
+    lines = refused(table.assign(case_id=3).iloc[:5], tmp_path / "t.csv")
+    assert lines == ["column 'case_id': must hold whole numbers, each once"]
+    twice = table.assign(**{"case_id ": table["case_id"]})
+    assert refused(twice, tmp_path / "t.csv") == ["column 'case_id' stands twice"]
+    lines = refused(table.assign(wear_sliding_p99=-0.5).iloc[:1], tmp_path / "t.csv")
+    assert lines == ["row 1: wear_sliding_p99 = -0.5 mm/s must not be negative"]
+
+
+def test_an_elastic_rebound_leaves_no_damping_and_contradicts_nothing(tmp_path):
+    cases = product_law(20)
+    cases.loc[3, "restitution"] = 1.0
+    table = derive(cases).assign(wear_total_mean=cases["wear_total_mean"])
+    path = tmp_path / "t.csv"
+    table.to_csv(path, index=False)
+    assert read_external(path).loc[3, "damping_coefficient"] == 0.0
+
+
+def test_a_single_derived_value_that_contradicts_its_formula_is_one_line(published):
+    table, path = published
+    formula = table.loc[4, "Young's Modulus (Material)"]
+    table.loc[4, "Young's Modulus (Material)"] *= 10.0
+    assert refused(table, path) == [
+        f"row 5: particle_youngs_modulus = {10.0 * formula:g} contradicts its formula, which "
+        f"gives {formula:g}"
+    ]
+
+
+def test_the_missing_damping_coefficient_takes_the_form_asked_for(tmp_path):
+    path = tmp_path / "t.csv"
+    product_law(20)[[*SAMPLED_NAMES, "wear_total_mean"]].to_csv(path, index=False)
+    table, printed = (read_external(path, None, form) for form in ("table", "printed"))
+    ratio = printed["damping_coefficient"] / table["damping_coefficient"]
+    np.testing.assert_allclose(ratio, -np.sqrt(6.0 / 5.0))
+
+
+def test_columns_that_could_be_confused_are_refused(published):
+    table, path = published
+    twice = table.assign(**{" Plate Angle": 0.0})
+    assert refused(twice, path) == ["column 'Plate Angle' stands twice"]
+    both = table.assign(plate_angle=0.0)
+    assert refused(both, path) == [
+        "columns 'plate_angle' and 'Plate Angle' both hold plate_angle; choose one with "
+        "dataset.columns"
+    ]
+    read_external(path, {"plate_angle": "Plate Angle"})
+    lines = refused(table, path, {"factory_angle": "Plate Angle"})
+    assert lines == ["column 'Plate Angle' is mapped to both plate_angle and factory_angle"]
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_other_separators_are_one_line(published, mark):
+    table, path = published
+    lines = refused(table, path, sep=mark)
+    assert lines == [f"columns must be separated by commas, not by {mark!r}"]
+
+
+def test_a_field_too_many_shifts_no_column(published):
+    table, path = published
+    header, *rows = table.to_csv(index=False).splitlines()
+    path.write_text("\n".join([header, *(f"1,{row}" for row in rows)]))
+    with pytest.raises(TableError, match=r"not a CSV table .*Expected 18 fields in line 2, saw 19"):
+        read_external(path)

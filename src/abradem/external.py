@@ -5,7 +5,8 @@ gave it in their published table, or as the mapping of the configuration says. U
 `abradem.parameters` unless the mapping or the metadata of a Parquet field names another that is
 known; values outside the physical limits are refused, which is what a wrong unit leads to.
 Derived features that the table lacks are computed, those that it has are taken as they stand
-(the published table rounds Young's modulus of the plate, for example).
+(the published table rounds Young's modulus of the plate, for example) unless they contradict
+their formula. A data set of our own is such a table too.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import pandas as pd
 from abradem.dataset import COLUMNS, WEAR_COLUMNS, TableError
 from abradem.features import contact_damping, derive, effective_youngs_modulus, sphere_mass
 from abradem.parameters import FEATURE_NAMES, QUANTITIES, SAMPLED_NAMES, TARGET, quantity
+from abradem.units import UNITS
 
 PUBLISHED_NAMES = {
     "particle_youngs_modulus": "Young's Modulus (Material)",
@@ -46,41 +48,33 @@ PUBLISHED_NAMES = {
 }
 """Columns of the study's published table. Its particle size is the radius, m."""
 
-UNITS = {
-    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
-    "1/Pa": {"1/Pa": 1.0, "m2/N": 1.0, "1/GPa": 1e-9},
-    "kg/m3": {"kg/m3": 1.0, "g/cm3": 1e3},
-    "deg": {"deg": 1.0, "rad": 180.0 / math.pi},
-    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
-    "m/s": {"m/s": 1.0, "mm/s": 1e-3},
-    "kg/s": {"kg/s": 1.0, "g/s": 1e-3},
-    "mm/s": {"mm/s": 1.0, "m/s": 1e3, "um/s": 1e-3, "mm/h": 1.0 / 3600.0},
-    "1": {"1": 1.0},
-}
-"""For each of our units those that are understood, and the factor to ours."""
-
-CLOSE = 0.02
-"""Relative difference up to which a derived column agrees with its formula."""
+CLOSE = 0.05
+"""Relative difference up to which a derived value agrees with its formula: two digits do."""
 MOST_LINES = 20
 """Bad rows named one by one."""
 
 Mapped = Mapping[str, str | tuple[str, str]]
 
 
-def read_external(path: str | Path, columns: Mapped | None = None) -> pd.DataFrame:
+def read_external(
+    path: str | Path, columns: Mapped | None = None, damping_coefficient: str = "table"
+) -> pd.DataFrame:
     """Read a user's table as a data set.
 
     Parameters
     ----------
     path : path-like
-        ``.csv`` (any encoding of Unicode, comma) or ``.parquet``.
+        ``.csv`` (UTF-8, comma) or ``.parquet``.
     columns : mapping, optional
         Our name to the table's, or to a pair of its name and its unit.
+    damping_coefficient : {"table", "printed"}
+        Form of that feature where the table lacks it, see `abradem.features`.
 
     Returns
     -------
     pandas.DataFrame
-        case_id (number of the row, from 0), the 20 features, and the wear columns found.
+        case_id (the table's, if it has a column of that name, else the number of the row from 0),
+        the 20 features, and the wear columns found.
 
     Raises
     ------
@@ -97,26 +91,34 @@ def read_external(path: str | Path, columns: Mapped | None = None) -> pd.DataFra
         if name not in wanted
     ]
     found: dict[str, np.ndarray] = {}
+    taken: dict[str, str] = {}
+    faulty = set()
     for name in wanted:
         column, unit, problem = _source(name, columns.get(name), table, units)
+        if column in taken:
+            problem = f"column {column!r} is mapped to both {taken[column]} and {name}"
         if problem:
             problems.append(f"{path}: {problem}")
+            faulty.add(name)
         elif column is not None:
+            taken[column] = name
             values, bad = _numbers(table[column])
             problems += [f"{path}: {line}" for line in _bad_numbers(column, table[column], bad)]
             found[name] = values * UNITS[COLUMNS[name].unit][unit]
-    missing = [name for name in SAMPLED_NAMES if name not in found]
     problems += [
         f"{path}: lacks a column for {name} (looked for {name}, "
         f"{PUBLISHED_NAMES[name]}; map it with dataset.columns)"
-        for name in missing
-        if name not in columns
+        for name in SAMPLED_NAMES
+        if name not in found and name not in faulty
     ]
-    if not any(name in found for name in WEAR_COLUMNS):
+    if not any(name in found or name in faulty for name in WEAR_COLUMNS):
         problems.append(
             f"{path}: lacks a wear rate (looked for {', '.join(WEAR_COLUMNS[:1])}, "
             f"{PUBLISHED_NAMES[TARGET.name]}; map it with dataset.columns)"
         )
+    keys, problem = _keys(table)
+    if problem:
+        problems.append(f"{path}: {problem}")
     if not problems and not len(table):
         problems.append(f"{path}: holds no rows")
     if problems:
@@ -130,9 +132,9 @@ def read_external(path: str | Path, columns: Mapped | None = None) -> pd.DataFra
     problems = [f"{path}: {line}" for line in _wrong_derived(given, derived)]
     if problems:
         raise TableError("\n".join(problems))
-    for name, values in _missing_derived(given, derived).items():
+    for name, values in _missing_derived(given, derived, damping_coefficient).items():
         given[name] = values
-    given.insert(0, "case_id", np.arange(len(given), dtype=np.int64))
+    given.insert(0, "case_id", keys)
     wear = [name for name in WEAR_COLUMNS if name in given]
     return given[["case_id", *FEATURE_NAMES, *wear]]
 
@@ -146,13 +148,31 @@ def _read(path: Path) -> tuple[pd.DataFrame, dict[str, str]]:
     if path.suffix.lower() != ".csv":
         raise TableError(f"{path}: is neither .csv nor .parquet")
     try:
-        table = pd.read_csv(path, dtype=str, encoding="utf-8-sig", keep_default_na=False)
+        # The header is read as a row: else a row with one field too many shifts all columns.
+        table = pd.read_csv(
+            path, dtype=str, encoding="utf-8-sig", keep_default_na=False, header=None
+        )
     except FileNotFoundError:
         raise TableError(f"{path}: no such file") from None
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError, OSError) as error:
         raise TableError(f"{path}: not a CSV table ({str(error).splitlines()[0]})") from None
-    table.columns = [str(name).strip() for name in table.columns]
-    return table, {}
+    header = [str(name).strip() for name in table.iloc[0]]
+    wrong = next((mark for mark in ";\t|" if len(header) == 1 and mark in header[0]), None)
+    if wrong:
+        raise TableError(f"{path}: columns must be separated by commas, not by {wrong!r}")
+    return table.iloc[1:].set_axis(header, axis=1).reset_index(drop=True), {}
+
+
+def _keys(table: pd.DataFrame) -> tuple[np.ndarray, str]:
+    """Case numbers of the rows, and what is wrong with them."""
+    if "case_id" not in table:
+        return np.arange(len(table), dtype=np.int64), ""
+    if list(table.columns).count("case_id") > 1:
+        return np.empty(0), "column 'case_id' stands twice"
+    values, bad = _numbers(table["case_id"])
+    if bad.any() or (values != np.rint(values)).any() or len(set(values)) < len(values):
+        return values, "column 'case_id': must hold whole numbers, each once"
+    return values.astype(np.int64), ""
 
 
 def _source(name: str, mapped, table: pd.DataFrame, units: dict[str, str]):
@@ -163,10 +183,16 @@ def _source(name: str, mapped, table: pd.DataFrame, units: dict[str, str]):
         if column not in table:
             return None, None, f"lacks column {column!r}, which {name} is mapped to"
     else:
-        candidates = (name, PUBLISHED_NAMES.get(name, name))
-        column = next((one for one in candidates if one in table), None)
-        if column is None:
+        candidates = dict.fromkeys((name, PUBLISHED_NAMES.get(name, name)))
+        there = [one for one in candidates if one in table]
+        if not there:
             return None, None, ""
+        column = there[0]
+        if len(there) > 1:
+            both = " and ".join(map(repr, there))
+            return None, None, f"columns {both} both hold {name}; choose one with dataset.columns"
+    if list(table.columns).count(column) > 1:
+        return None, None, f"column {column!r} stands twice"
     ours = COLUMNS[name].unit
     unit = unit or units.get(column, ours)
     if unit not in UNITS[ours]:
@@ -199,8 +225,10 @@ def _bad_rows(found: dict[str, np.ndarray]) -> list[str]:
             bad = np.flatnonzero((values < low) | (values > high))
             law = f"must lie in [{low:g}, {high:g}] {row.unit}"
             unit = "" if row.unit == "1" else f" {row.unit}"
-        elif name in WEAR_COLUMNS:
+        elif name == TARGET.name:
             bad, law, unit = np.flatnonzero(values <= 0.0), "must be positive", " mm/s"
+        elif name in WEAR_COLUMNS and not name.startswith("wear_friction"):
+            bad, law, unit = np.flatnonzero(values < 0.0), "must not be negative", " mm/s"
         else:
             continue
         if len(bad) > 1 and len(bad) == len(values):
@@ -214,26 +242,36 @@ def _bad_rows(found: dict[str, np.ndarray]) -> list[str]:
 
 
 def _wrong_derived(given: pd.DataFrame, derived: pd.DataFrame) -> list[str]:
-    """Derived columns that contradict their formula, which a wrong unit or sign leads to.
-
-    The median row decides: rounding spoils single ones.
-    """
+    """Derived values that contradict their formula, which a wrong unit or sign leads to."""
     lines = []
     for row in QUANTITIES:
         if row.kind != "derived" or row.name not in given:
             continue
-        ratio = np.median(given[row.name] / derived[row.name])
+        values, formula = given[row.name].to_numpy(), derived[row.name].to_numpy()
         # The damping coefficient exists in two forms, see `abradem.features`.
         forms = (1.0, -math.sqrt(6.0 / 5.0)) if row.name == "damping_coefficient" else (1.0,)
-        if not any(abs(ratio / form - 1.0) <= CLOSE for form in forms):
+        expected = min(
+            (form * formula for form in forms), key=lambda e: np.median(np.abs(values - e))
+        )
+        bad = np.flatnonzero(np.abs(values - expected) > CLOSE * np.abs(expected))
+        if 2 * len(bad) > len(values):
+            ratio = np.median(values[bad] / formula[bad])
             lines.append(
                 f"column {row.name}: is {ratio:.3g} times what its formula gives (median of the "
                 "rows); check its unit and its sign"
             )
-    return lines
+        else:
+            lines += [
+                f"row {at + 1}: {row.name} = {values[at]:g} contradicts its formula, which gives "
+                f"{expected[at]:g}"
+                for at in bad
+            ]
+    return _capped(lines)
 
 
-def _missing_derived(given: pd.DataFrame, derived: pd.DataFrame) -> dict[str, pd.Series]:
+def _missing_derived(
+    given: pd.DataFrame, derived: pd.DataFrame, damping_coefficient: str
+) -> dict[str, pd.Series]:
     """Derived features that the table lacks, from those that it has."""
     known = {
         name: given[name] if name in given else derived[name]
@@ -248,8 +286,9 @@ def _missing_derived(given: pd.DataFrame, derived: pd.DataFrame) -> dict[str, pd
     known["effective_youngs_modulus"] = given.get("effective_youngs_modulus", star)
     mass = sphere_mass(given["particle_radius"], given["particle_density"])
     known["damping_coefficient"] = contact_damping(
-        known["damping_ratio"], mass, known["effective_youngs_modulus"], given["particle_radius"]
-    )
+        known["damping_ratio"], mass, known["effective_youngs_modulus"], given["particle_radius"],
+        damping_coefficient,
+    )  # fmt: skip
     return {name: known.get(name, derived[name]) for name in FEATURE_NAMES if name not in given}
 
 

@@ -71,13 +71,13 @@ def test_repeated_splits_come_before_the_fixed_one():
 def test_misprints_are_told_on_the_papers_own_table_alone():
     refit = np.array(paper.EQUATION)
     refit[[1, 8, 16]] = [-0.164, 0.210, 0.218]
-    table, own = paper.compare_equation(refit)
-    assert own
+    table, own = paper.compare_equation(-0.019, refit)
+    assert own and table.loc[0, ["feature", "verdict"]].tolist() == ["intercept", "agrees"]
     found = table[table["verdict"] != "agrees"].set_index("symbol")["verdict"]
     assert found.to_dict() == {
         "X2": "misprinted sign", "X9": "misprinted value", "X17": "misprinted sign",
     }  # fmt: skip
-    table, own = paper.compare_equation(np.random.default_rng(0).standard_normal(20))
+    table, own = paper.compare_equation(0.0, np.random.default_rng(0).standard_normal(20))
     assert not own and set(table["verdict"]) == {"another table"}
 
 

@@ -9,7 +9,10 @@ import pytest
 from abradem.dataset import read_json, read_table, read_units
 from abradem.features import derive
 from abradem.learning import linear
+from abradem.learning.paper import EQUATION
+from abradem.learning.protocols import published_split
 from abradem.learning.scores import SCORE_COLUMNS
+from abradem.learning.table import standard_scaler
 from abradem.parameters import FEATURE_NAMES, SAMPLED, SAMPLED_NAMES, TARGET
 
 
@@ -62,7 +65,7 @@ def test_intervals_cover_planted_coefficients_as_often_as_they_claim():
     for seed in range(60):
         y = with_target(table, 0.5, seed)[TARGET.name].to_numpy()
         fit = linear.least_squares(table[list(FEATURE_NAMES)].to_numpy(), y)
-        truth = np.array([PLANTED.get(name, 0.0) for name in FEATURE_NAMES]) / fit.target_scale
+        truth = np.array([PLANTED.get(name, 0.0) for name in FEATURE_NAMES]) / fit.of_target.scale
         reach = 1.9905 * fit.standard_error  # t quantile of 95 % with 79 degrees of freedom
         covered.append(np.abs(fit.coefficients - truth) <= reach)
         assert fit.degrees_of_freedom == 79
@@ -76,8 +79,8 @@ def test_intervals_hold_when_scatter_grows_with_a_feature():
         x = rng.standard_normal((80, 2))
         y = x[:, 0] + rng.standard_normal(80) * x[:, 0] ** 2
         fit = linear.least_squares(x, y)
-        slope = fit.coefficients[0] * fit.target_scale / fit.scale[0]
-        error = fit.standard_error[0] * fit.target_scale / fit.scale[0]
+        slope = fit.coefficients[0] * fit.of_target.scale / fit.of_features.scale[0]
+        error = fit.standard_error[0] * fit.of_target.scale / fit.of_features.scale[0]
         hits += abs(slope - 1.0) <= 1.99 * error
         centred = x - x.mean(axis=0)
         residual = y - linear.predict(fit, x)
@@ -228,6 +231,21 @@ def test_variance_inflation_is_that_of_a_regression_on_the_others():
     assert linear.variance_inflation(x)[0] == pytest.approx(1.0, abs=0.05)
 
 
+def test_studentised_residuals_have_unit_spread_and_follow_the_normal_quantiles():
+    rows = linear.fit_linear(with_target(sampled(400), 0.4), repeats=1).residuals
+    assert rows["studentised"].std() == pytest.approx(1.0, abs=0.02)
+    assert np.corrcoef(rows["studentised"], rows["normal_quantile"])[0, 1] > 0.99
+    assert (rows["studentised"].rank() == rows["normal_quantile"].rank()).all()
+    # Without a degree of freedom there is no scatter to measure with.
+    few = linear.fit_linear(with_target(sampled(12), 0.2), repeats=1).residuals
+    assert few[["studentised", "normal_quantile"]].isna().all(axis=None)
+
+
+def test_the_leverages_add_up_to_the_number_of_coefficients():
+    rows = linear.fit_linear(with_target(sampled(60), 0.2), repeats=1).residuals
+    assert rows["leverage"].sum() == pytest.approx(21.0)
+
+
 def test_the_test_of_even_scatter_rejects_as_often_as_it_claims():
     rng = np.random.default_rng(0)
     even, uneven = 0, 0
@@ -257,3 +275,30 @@ def test_as_published_scales_over_all_rows_and_says_so():
     assert set(result.predictions["protocol"]) == {"honest", "as_published"}
     assert set(result.published["verdict"]) == {"another table"}
     assert result.summary["misprints"] is None
+
+
+def test_the_misprints_of_the_printed_equation_are_found_where_the_refit_is_its_own():
+    """A table of the study's size whose refit is the printed equation but for four numbers."""
+    table = sampled(198)
+    z = standard_scaler(table[list(FEATURE_NAMES)].to_numpy()).forward(
+        table[list(FEATURE_NAMES)].to_numpy()
+    )
+    slopes = np.array(EQUATION)
+    slopes[[1, 4, 8, 16]] = [-0.164, 1.650, 0.210, 0.218]
+    train, test = published_split(198, 0.2)
+    wear = z @ slopes
+    # Scatter that the fit of the training rows does not see, a shift of the test rows that makes
+    # the intercept, and both together a standard deviation of 1.
+    design = np.column_stack([np.ones(len(train)), z[train]])
+    scatter = np.random.default_rng(0).standard_normal(len(train))
+    scatter -= design @ np.linalg.lstsq(design, scatter, rcond=None)[0]
+    wear[test] += 0.019 * 198 / len(test)
+    size = (198 * (1.0 + 0.019**2) - np.sum(wear**2)) / np.sum(scatter**2)
+    wear[train] += np.sqrt(size) * scatter
+    summary = linear.fit_linear(table.assign(**{TARGET.name: 20.0 + wear}), repeats=1).summary
+    assert summary["misprints"] == [
+        "X2: printed +0.164, refitted -0.164 (misprinted sign)",
+        "X5: printed +1.640, refitted +1.650 (misprinted value)",
+        "X9: printed +0.290, refitted +0.210 (misprinted value)",
+        "X17: printed -0.218, refitted +0.218 (misprinted sign)",
+    ]

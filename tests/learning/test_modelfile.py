@@ -42,6 +42,13 @@ def test_rows_outside_the_training_ranges_are_named(stored):
         load_model(stored[1]).predict(rows)
 
 
+def test_what_is_no_number_is_not_predicted_in_silence(stored):
+    rows = linear_law(60, 0.2)
+    rows.loc[3, "plate_angle"] = np.nan
+    with pytest.warns(UserWarning, match="plate_angle: 1 of 60 values lie outside"):
+        assert np.isnan(load_model(stored[1]).predict(rows)[3])
+
+
 def test_missing_features_are_named(stored):
     with pytest.raises(TableError, match="lack column plate_angle"):
         load_model(stored[1]).predict(linear_law(5).drop(columns="plate_angle"))

@@ -1,7 +1,13 @@
 """Networks against plain torch; the genetic search: its laws, its chance, its interruptions."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 import warnings
+from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 import pytest
@@ -132,13 +138,24 @@ def test_mutation_changes_one_layer_by_up_to_its_size():
 def test_the_fitter_are_picked_more_often(selection):
     rng = np.random.default_rng(0)
     options = Options(population=5, selection=selection)
-    fitness = np.array([0.1, 0.9, 0.5, -3.0, np.nan])
+    fitness = np.array([0.1, 0.9, 0.5, -3.0, genetic.FAILED])
     picked = np.bincount([genetic.pick(fitness, options, rng) for _ in range(2000)], minlength=5)
-    assert picked[1] > picked[0] > picked[3]
+    assert picked[1] > picked[2] > picked[0] > picked[3]
     if selection == "roulette":
-        # In proportion to the fitness above the worst: .9 + 3 against .1 + 3.
-        assert picked[1] / picked[0] == pytest.approx(3.9 / 3.1, rel=0.15)
+        # In proportion to the fitness above the worst, which counts as -1: 1.9 against 1.1.
+        assert picked[1] / picked[0] == pytest.approx(1.9 / 1.1, rel=0.15)
         assert picked[3] == picked[4] == 0
+
+
+def test_roulette_tells_good_networks_apart():
+    rng = np.random.default_rng(0)
+    options = Options(population=3, selection="roulette")
+    fitness = np.array([0.9, 0.94, 0.98])
+    picked = np.bincount([genetic.pick(fitness, options, rng) for _ in range(900)], minlength=3)
+    assert picked[0] == 0 and picked[2] / picked[1] == pytest.approx(2.0, rel=0.25)
+    # Where none is better than another, all have the same chance.
+    picked = np.bincount([genetic.pick(np.full(3, -5.0), options, rng) for _ in range(900)])
+    assert picked.min() > 200
 
 
 def test_impossible_options_are_named():
@@ -175,6 +192,64 @@ def test_the_number_of_cores_changes_nothing(weights):
     assert one.history.equals(two.history) and one.best == two.best
     for a, b in zip(one.network.weights, two.network.weights, strict=True):
         np.testing.assert_array_equal(a, b)
+
+
+def test_the_threads_of_linear_algebra_change_nothing():
+    """Snakemake tells it to use as many as a rule has cores."""
+    from threadpoolctl import threadpool_limits
+
+    rng = np.random.default_rng(0)
+    x = rng.standard_normal((200, 12))
+    large = Problem(x, x[:, 0], x, x[:, 0])
+    options = Options(population=2, generations=1, min_layers=3, max_layers=3, min_neurons=400)
+    found = []
+    for threads in (1, 2):
+        with threadpool_limits(threads):
+            found.append(search(large, options, Training(1, 100)).history)
+    assert found[0].equals(found[1])
+
+
+def test_a_worker_that_is_killed_ends_the_search_instead_of_stopping_it(monkeypatch):
+    def killed(*_):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    monkeypatch.setattr(genetic, "start", killed)
+    with pytest.raises(BrokenProcessPool):
+        search(problem(), SMALL, QUICK, cores=2)
+
+
+def test_workers_end_with_the_process_that_they_work_for():
+    code = """
+import os, numpy as np
+from abradem.learning import genetic
+def told(*_):
+    print(os.getpid(), flush=True)
+    __import__("time").sleep(60)
+genetic.start = told
+x = np.zeros((9, 2))
+genetic.search(genetic.Problem(x, x[:, 0], x, x[:, 0]), cores=2)
+"""
+    parent = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    worker = int(parent.stdout.readline())
+    parent.kill()
+    parent.wait()
+    for _ in range(100):
+        try:
+            os.kill(worker, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.05)
+    os.kill(worker, signal.SIGKILL)
+    pytest.fail("a worker outlives its parent")
+
+
+def test_networks_are_counted_with_the_weights_that_they_inherit():
+    once = search(problem(), SMALL._replace(mutation=0.0, crossover=0.0), QUICK, seed=1)
+    assert once.trained == SMALL.population
+    same = SMALL._replace(mutation=0.0, crossover=0.0, weights="inherited", elites=1)
+    inherited = search(problem(), same, QUICK, seed=1)
+    # Every child begins where a parent ended, so it is another network.
+    assert inherited.trained > SMALL.population
 
 
 def test_another_seed_is_another_search():
@@ -342,7 +417,9 @@ def test_the_networks_file_predicts_the_scored_rows(of_noise):
             predicted = model.predict(rows.set_index("case_id").loc[stored["case_id"]])
         np.testing.assert_allclose(predicted, stored["predicted"], rtol=1e-5)
         assert json.dumps(result.summary, default=float)
-        assert result.summary["lineage"][0]["fitness"] == result.summary["best_fitness"]
+        summary = result.summary
+        assert summary["lineage"][0]["fitness"] == summary["best_fitness"]
+        assert summary["generations"][-1]["best_fitness"] == summary["best_fitness"]
 
 
 def test_settings_come_from_the_configuration():

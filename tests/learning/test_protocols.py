@@ -2,8 +2,15 @@
 
 import numpy as np
 import pytest
+from tables import linear_law
 
-from abradem.learning.protocols import folds, published_split
+from abradem.learning.linear import fit_linear
+from abradem.learning.penalised import fit_penalised
+from abradem.learning.principal import fit_principal
+from abradem.learning.protocols import AS_PUBLISHED, HONEST, folds, published_split
+from abradem.learning.table import learning_table
+from abradem.learning.trees import fit_trees
+from abradem.parameters import FEATURE_NAMES
 
 
 @pytest.mark.parametrize("rows", [12, 99, 198])
@@ -27,3 +34,41 @@ def test_folds_validate_every_row_once_and_never_train_on_it(rows, count):
 def test_too_few_rows_cannot_be_cross_validated():
     with pytest.raises(ValueError, match="3 rows are too few"):
         folds(3, 5, seed=1)
+
+
+def predicted(frame, protocol):
+    """Test rows of the first split: case number, and what each of the cheap models predicts."""
+    quick = {"repeats": 1, "seed": 1, "fold_count": 3}
+    table = learning_table(frame)
+    parts = [
+        fit_linear(frame, repeats=1, seed=1).predictions,
+        fit_penalised(table, path_points=5, **quick).results.predictions,
+        fit_principal(table, **quick).results.predictions,
+        fit_trees(table, forest_trees=5, max_depth=3, **quick).results.predictions,
+    ]
+    rows = [part[part["protocol"] == protocol] for part in parts]
+    return {
+        model: group.set_index("case_id")["predicted"]
+        for part in rows
+        for model, group in part.groupby("model")
+    }
+
+
+def test_honest_models_learn_nothing_from_test_rows_and_published_ones_do():
+    frame = linear_law(60, noise=0.3)
+    changed = {}
+    for protocol in (HONEST, AS_PUBLISHED):
+        first = predicted(frame, protocol)
+        (cases,) = {tuple(sorted(rows.index)) for rows in first.values()}
+        # Another target for all test rows, and other features for the first of them.
+        other = frame.copy()
+        other.loc[other["case_id"].isin(cases), "wear_total_mean"] += 50.0
+        other.loc[other["case_id"] == cases[0], list(FEATURE_NAMES)] *= 1.5
+        second = predicted(other, protocol)
+        rest = list(cases[1:])
+        changed[protocol] = {
+            model for model in first if not first[model][rest].equals(second[model][rest])
+        }
+    assert changed[HONEST] == set()
+    # All but the tree, which is not scaled, see the test rows in their scalers.
+    assert {"lasso", "ridge", "pca"} <= changed[AS_PUBLISHED]

@@ -194,6 +194,16 @@ def test_pruning_removes_what_noise_had_grown():
     assert grow(x, y, None, penalty).get_n_leaves() == 2 < grow(x, y).get_n_leaves()
 
 
+def test_a_large_tree_is_kept_where_it_predicts_best_and_the_root_alone_where_nothing_does():
+    rng = np.random.default_rng(1)
+    x = rng.uniform(-1.0, 1.0, (800, 3))
+    smooth = np.sin(4.0 * x[:, 0]) + x[:, 1] ** 2 * x[:, 0]
+    leaves = grow(x, smooth, None, choose_penalty(x, smooth, 5, 0)).get_n_leaves()
+    assert 100 < leaves < grow(x, smooth).get_n_leaves()
+    noise = rng.standard_normal(800)
+    assert grow(x, noise, None, choose_penalty(x, noise, 5, 0)).get_n_leaves() == 1
+
+
 def test_stored_trees_predict_as_the_library_does():
     rng = np.random.default_rng(0)
     x, y = rng.standard_normal((60, 4)), rng.standard_normal(60)
@@ -217,6 +227,41 @@ def test_the_drawn_tree_is_the_stored_one(trees):
     predicted = model.predict(table)
     assert all(np.isclose(value, leaves).any() for value in predicted)
     assert np.ptp(table[root["feature"]]) > 0.0
+
+
+def test_a_fold_of_equal_targets_leaves_a_gap_in_nothing():
+    table = linear_law(20)
+    # All but a few rows are equal, so that some folds have no R2.
+    table["wear_total_mean"] = np.where(np.arange(20) < 16, 1.0, 1.0 + np.arange(20) / 10.0)
+    found = fit_penalised(learning_table(table), path_points=5, repeats=1)
+    assert np.isfinite(found.validation["mean"]).all()
+
+
+def test_a_quantity_that_never_varied_does_not_carry_predictions_away():
+    rows = linear_law(60, noise=0.3).assign(equipment_density=7000.3)
+    elsewhere = rows.assign(equipment_density=20000.0)
+    table = learning_table(rows)
+    found = fit_principal(table, repeats=1).model, *fit_penalised(table, repeats=1).models.values()
+    for description, arrays in found:
+        model = Model(description, arrays)
+        with pytest.warns(UserWarning, match="equipment_density: 60 of 60 values lie outside"):
+            predicted = model.predict(elsewhere)
+        np.testing.assert_allclose(predicted, model.predict(rows), rtol=1e-9)
+    # A network gives such a feature the weights that it began with.
+    column = standard_scaler(np.full((5, 1), 37e9)).forward(np.array([[80e9]]))
+    assert np.abs(column).max() < 2.0
+
+
+def test_intervals_have_the_level_asked_for(table):
+    quick = {"repeats": 6, "seed": 1, "fold_count": 2, "confidence": 0.5}
+    found = fit_penalised(table, path_points=3, **quick)
+    models = [*found.models.values(), fit_principal(table, **quick).model]
+    models += fit_trees(table, forest_trees=2, max_depth=2, **quick).models.values()
+    for description, _ in models:
+        assert description["confidence"] == 0.5
+    values = r2(found.results, "ridge", "honest")
+    stated = found.models["ridge"][0]["scores"]["test"]["R2"]
+    assert [stated["lower"], stated["upper"]] == pytest.approx(np.percentile(values, [25, 75]))
 
 
 def test_models_of_all_kinds_predict_their_rows(penalised, principal):

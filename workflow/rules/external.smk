@@ -21,6 +21,7 @@ rule dataset:
         "../envs/abradem.yaml"
     params:
         columns=CONFIG.dataset.columns,
+        damping_coefficient=CONFIG.features.damping_coefficient,
         code=CODE["external"],
     script:
         "../scripts/external.py"

@@ -6,4 +6,6 @@ from abradem.joblog import log_to
 
 log_to(snakemake.log[0])
 
-write_table(read_external(snakemake.input[0], snakemake.params.columns), snakemake.output[0])
+params = snakemake.params
+found = read_external(snakemake.input[0], params.columns, params.damping_coefficient)
+write_table(found, snakemake.output[0])

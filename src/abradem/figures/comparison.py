@@ -49,12 +49,12 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
                         np.maximum(ends, LOWEST), [place + shift] * 2,
                         color=colour, lw=1.2, alpha=light, clip_on=False,
                     )  # fmt: skip
-                    lows.append(row["r2_lower"])
-                    if row["r2_lower"] < LOWEST:
-                        panel.plot(LOWEST, place + shift, "<", ms=3.5, color=colour, alpha=light)
-                shown = max(row["r2"], LOWEST)
-                panel.plot(shown, place + shift, marker, ms=4.0, color=colour, alpha=light)
-                lows.append(row["r2"])
+                if row["r2"] >= LOWEST:
+                    panel.plot(row["r2"], place + shift, marker, ms=4.0, color=colour, alpha=light)
+                least = row[["r2", "r2_lower"]].min()
+                if least < LOWEST:
+                    panel.plot(LOWEST, place + shift, "<", ms=3.5, color=colour, alpha=light)
+                lows.append(least)
         printed = beside_paper["printed_r2"].to_numpy(dtype=float)
         panel.plot(printed, places - 0.2, "|", ms=9.0, mew=1.6, color=style.BLACK, zorder=3)
         low = min([0.0, *(value for value in lows if np.isfinite(value)),
@@ -74,7 +74,8 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
             "(optimistic; the wrong target explains the last component, not the wear); interval: "
             "bootstrap of its test rows. Honest: median and central share of the repeated splits, "
             "and, on the first of these splits, the same rows for all models, bootstrap of the "
-            f"test rows. Arrowheads: runs on below {minus(f'{LOWEST:g}')}",
+            f"test rows. Arrowheads: runs on below {minus(f'{LOWEST:g}')}; without a mark the "
+            "score too",
         )
     return figure
 
@@ -125,7 +126,7 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
                     & (comparison["protocol"] == protocol)
                     & (comparison["basis"] == FIXED)
                 ]["r2"]
-                words.append(minus(f"{PROTOCOLS[protocol]}: {found.iloc[0]:.2f}"))
+                words.append(minus(f"{PROTOCOLS[protocol]}: $R^2$ = {found.iloc[0]:.2f}"))
             panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.7, zorder=0)
             panel.set_xlim(-0.04 * most / unit, ends[1])
             panel.set_ylim(*ends)
@@ -153,8 +154,7 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
         style.caption(
             figure,
             "wear depth rate of the test rows of one split: as published its own (30 % of the rows "
-            "for networks, 20 % else), honest the first split, the same rows for all models; "
-            "numbers: their $R^2$"
+            "for networks, 20 % else), honest the first split, the same rows for all models"
             + ("; predictions beyond the frame stand on its edge" if beyond else ""),
         )
     return figure

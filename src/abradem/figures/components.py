@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from abradem.figures import style
-from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS, minus
+from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS, feature_ticks, minus
 from abradem.parameters import quantity
 
 DIVERGING = "RdBu_r"
@@ -31,7 +31,7 @@ def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
     names = list(dict.fromkeys(correlations["feature"]))
     grid = correlations.pivot(index="feature", columns="other", values="correlation")
     with style.style():
-        figure, axes = style.panels(2, 2, 3.3)
+        figure, axes = style.panels(2, 2, 2.95)
         for index, part in enumerate((names[:SPLIT_AT], names[SPLIT_AT:])):
             panel = axes[index]
             values = grid.loc[part, part].to_numpy()
@@ -65,9 +65,7 @@ def _short(value: float) -> str:
 def _name_axes(panel, names) -> None:
     places = range(len(names))
     panel.set_xticks(places, [f"${quantity(n).tex}$" for n in names], fontsize=6.5)
-    panel.set_yticks(
-        places, [f"{quantity(n).symbol}  ${quantity(n).tex}$" for n in names], fontsize=6.5
-    )
+    panel.set_yticks(places, feature_ticks(names), fontsize=6.5)
     panel.tick_params(length=0)
 
 
@@ -94,11 +92,7 @@ def loadings_figure(loadings: pd.DataFrame, scree: pd.DataFrame, summary: dict) 
                 grid.loc[names].to_numpy(), cmap=DIVERGING, vmin=-1.0, vmax=1.0, aspect="auto"
             )
             panel.set_xticks(range(0, grid.shape[1]), grid.columns, fontsize=6.5)
-            panel.set_yticks(
-                range(len(names)),
-                [f"{quantity(n).symbol}  ${quantity(n).tex}$" for n in names],
-                fontsize=6.5,
-            )
+            panel.set_yticks(range(len(names)), feature_ticks(names), fontsize=6.5)
             panel.tick_params(length=0)
             panel.set_xlabel("Component")
             panel.set_title(

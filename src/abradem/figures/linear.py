@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
 from abradem.dataset import COLUMNS
@@ -44,14 +43,7 @@ def coefficients_figure(coefficients: pd.DataFrame, model: dict) -> Figure:
             first, last = part["symbol"].iloc[0], part["symbol"].iloc[-1]
             panel.set_title(f"{style.letter(index)} {first} to {last}", loc="left")
             panel.set_ylabel("Standardised coefficient")
-        figure.legend(
-            handles=[
-                Patch(color=style.BLUE, label="sampled feature"),
-                Patch(color=style.ORANGE, label="derived feature (a function of sampled ones)"),
-            ],
-            loc="outside upper center",
-            ncols=2,
-        )
+        figure.legend(handles=style.feature_handles(), loc="outside upper center", ncols=2)
         style.caption(figure, "\n".join(_coefficient_words(coefficients, model, limit)))
     return figure
 
@@ -121,12 +113,10 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
 
 
 def _coefficient_panel(panel, part: pd.DataFrame, limit: float) -> None:
-    derived = [quantity(name).kind == "derived" for name in part["feature"]]
     values = part["coefficient"].to_numpy(dtype=float)
     lower, upper = (part[end].to_numpy(dtype=float) for end in ("lower", "upper"))
     places = np.arange(len(part))
-    colours = [style.ORANGE if one else style.BLUE for one in derived]
-    panel.bar(places, values, width=0.62, color=colours)
+    panel.bar(places, values, width=0.62, color=style.feature_colours(part["feature"]))
     panel.axhline(0.0, color=style.BLACK, lw=0.6)
     for place, low, high in zip(places, lower, upper, strict=True):
         if not np.isfinite(low + high):
@@ -163,7 +153,7 @@ def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) ->
     share = 100.0 * model["confidence"]
     rows = model["splits"]["rows"]
     first = (
-        f"{_target_words(model)}; least squares on all {rows} cases, standardised: a description"
+        f"{_target_words(model)}; protocol: {model['protocol']}; least squares on all {rows} cases"
     )
     ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
     if not np.isfinite(ends).any():

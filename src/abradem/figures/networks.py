@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from abradem.figures import style
 from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS
@@ -28,12 +30,12 @@ def search_figure(history: pd.DataFrame, scores: pd.DataFrame, summaries: dict) 
     protocols = [name for name in (AS_PUBLISHED, HONEST) if name in summaries]
     with style.style():
         figure, axes = style.panels(4, 2, 2.2)
-        low = max(float(history["fitness"].quantile(0.03)) - 0.05, LOWEST)
         for index, protocol in enumerate(protocols):
             rows = history[history["protocol"] == protocol]
-            _fitness_panel(axes[index], index, rows, summaries[protocol], low)
-        _size_panel(axes[2], history, protocols)
+            _fitness_panel(axes[index], index, rows, summaries[protocol])
+        _size_panel(axes[2], summaries, protocols)
         _retrained_panel(axes[3], scores, protocols)
+        figure.legend(handles=_handles(protocols), loc="outside upper center", ncols=6)
         style.caption(
             figure,
             "fitness as published: $R^2$ on the test rows themselves; honest: on validation rows "
@@ -46,47 +48,57 @@ def search_figure(history: pd.DataFrame, scores: pd.DataFrame, summaries: dict) 
     return figure
 
 
-def _fitness_panel(panel, index, rows, summary, low) -> None:
+def _handles(protocols) -> list:
+    return [
+        *(Patch(color=COLOURS[name], label=PROTOCOLS[name]) for name in protocols),
+        Line2D([], [], marker="o", ms=3.0, color=style.GREY, alpha=0.5, ls="", mew=0,
+               label="one network"),
+        Line2D([], [], color=style.GREY, ls="--", label="median"),
+        Line2D([], [], color=style.BLACK, drawstyle="steps-post", label="best"),
+        Line2D([], [], marker="o", ms=3.2, mfc="none", mew=0.8, color=style.BLACK, ls="",
+               label="descent of the best"),
+    ]  # fmt: skip
+
+
+def _fitness_panel(panel, index, rows, summary) -> None:
     protocol = summary["protocol"]
     colour = COLOURS[protocol]
+    low = max(float(rows["fitness"].quantile(0.03)) - 0.05, LOWEST)
     panel.scatter(
         rows["generation"] + 1, rows["fitness"].clip(lower=low), s=6, color=colour, alpha=0.35, lw=0
     )
-    best = rows.groupby("generation")["fitness"].max()
-    panel.step(best.index + 1, best.cummax(), where="post", color=style.BLACK, label="best so far")
-    panel.plot(
-        best.index + 1, rows.groupby("generation")["fitness"].median().clip(lower=low), ls="--",
-        color=colour, label="median",
-    )  # fmt: skip
+    found = pd.DataFrame(summary["generations"])
+    place = found["generation"] + 1
+    panel.step(place, found["best_fitness"].clip(lower=low), where="post", color=style.BLACK)
+    panel.plot(place, found["median_fitness"].clip(lower=low), ls="--", color=colour)
     descent = pd.DataFrame(summary["lineage"])
     panel.plot(
-        descent["generation"] + 1, descent["fitness"], "o", ms=3.2, mfc="none", mew=0.8,
-        color=style.BLACK, label="descent of the best",
+        descent["generation"] + 1, descent["fitness"].clip(lower=low), "o", ms=3.2, mfc="none",
+        mew=0.8, color=style.BLACK,
     )  # fmt: skip
     panel.set_ylim(low - 0.04 * (1.0 - low), 1.0 + 0.02 * (1.0 - low))
     panel.set_xlabel("Generation")
     panel.xaxis.get_major_locator().set_params(integer=True)
     panel.set_ylabel("Fitness ($R^2$)")
-    panel.legend(loc="lower right")
     layers = "-".join(map(str, summary["architecture"]))
     panel.set_title(
         f"{style.letter(index)} {PROTOCOLS[protocol]}: {layers}", loc="left", fontsize=7.0
     )
 
 
-def _size_panel(panel, history, protocols) -> None:
+def _size_panel(panel, summaries, protocols) -> None:
     for protocol in protocols:
-        rows = history[history["protocol"] == protocol].groupby("generation")["parameters"]
-        middle = rows.median()
+        found = pd.DataFrame(summaries[protocol]["generations"])
+        place, colour = found["generation"] + 1, COLOURS[protocol]
         panel.fill_between(
-            middle.index + 1, rows.min(), rows.max(), color=COLOURS[protocol], alpha=0.15, lw=0
-        )
-        panel.plot(middle.index + 1, middle, color=COLOURS[protocol], label=PROTOCOLS[protocol])
+            place, found["fewest_parameters"], found["most_parameters"], color=colour, alpha=0.15,
+            lw=0,
+        )  # fmt: skip
+        panel.plot(place, found["median_parameters"], color=colour)
     panel.set_yscale("log")
     panel.set_xlabel("Generation")
     panel.xaxis.get_major_locator().set_params(integer=True)
     panel.set_ylabel("Weights and biases")
-    panel.legend(loc="lower right")
     panel.set_title(
         f"{style.letter(2)} size of the networks: median and range", loc="left", fontsize=7.0
     )

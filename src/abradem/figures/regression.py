@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from abradem.figures import style
-from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, MODELS, PROTOCOLS, feature_ticks
+from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, MODELS, PROTOCOLS, feature_rows
 from abradem.parameters import quantity
 
 HIGH_INFLATION = 10.0
@@ -36,11 +36,13 @@ def residuals_figure(residuals: pd.DataFrame, coefficients: pd.DataFrame, model:
         _against_fitted(axes[0], residuals, model)
         _quantiles(axes[1], residuals)
         _inflation(axes[2], coefficients)
+        figure.legend(handles=style.feature_handles(), loc="outside upper right", ncols=2)
         style.caption(
             figure,
             f"least squares on all {len(residuals)} rows: a description, without training and test "
             f"rows, hence the same under both protocols; p of the test of Breusch and Pagan, small "
-            f"where the scatter depends on the features; dashed in (c): {HIGH_INFLATION:g}",
+            "where the scatter depends on the features; dashed in (b): normal, in (c): "
+            f"{HIGH_INFLATION:g}",
         )
     return figure
 
@@ -62,16 +64,15 @@ def _against_fitted(panel, residuals: pd.DataFrame, model: dict) -> None:
 
 
 def _quantiles(panel, residuals: pd.DataFrame) -> None:
-    from scipy import stats
-
-    ordered = np.sort(residuals["residual"].to_numpy())
-    expected = stats.norm.ppf((np.arange(1, len(ordered) + 1) - 0.5) / len(ordered))
-    spread = ordered.std() or 1.0
-    panel.scatter(expected, ordered / spread, s=7, color=style.BLUE, lw=0, alpha=0.7)
-    ends = np.array([expected[0], expected[-1]]) * 1.05
+    expected, found = residuals["normal_quantile"], residuals["studentised"]
+    if not np.isfinite(found).any():
+        style.say_nothing_to_show(panel, "no scatter to judge: as many coefficients as rows")
+        return
+    panel.scatter(expected, found, s=7, color=style.BLUE, lw=0, alpha=0.7)
+    ends = np.array([expected.min(), expected.max()]) * 1.05
     panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.9)
     panel.set_xlabel("Quantile of the normal distribution")
-    panel.set_ylabel("Residual over its spread")
+    panel.set_ylabel("Studentised residual")
     panel.set_title(f"{style.letter(1)} shape of the residuals", loc="left", fontsize=7.0)
 
 
@@ -81,25 +82,14 @@ def _inflation(panel, coefficients: pd.DataFrame) -> None:
     most = finite.max(initial=HIGH_INFLATION) * 3.0
     places = np.arange(len(values))
     shown = np.where(np.isinf(values), most, values)
-    derived = [quantity(name).kind == "derived" for name in coefficients["feature"]]
-    colours = [style.ORANGE if one else style.BLUE for one in derived]
+    colours = style.feature_colours(coefficients["feature"])
     panel.barh(places, np.nan_to_num(shown, nan=1.0) - 0.8, left=0.8, height=0.66, color=colours)
     panel.set_xscale("log")
     panel.set_xlim(0.8, most)
     panel.axvline(HIGH_INFLATION, color=style.BLACK, ls="--", lw=0.8)
-    panel.set_yticks(places, feature_ticks(coefficients["feature"]), fontsize=6.5)
-    panel.tick_params(axis="y", length=0)
-    panel.invert_yaxis()
+    feature_rows(panel, coefficients["feature"])
     panel.set_xlabel("Variance inflation factor")
     panel.set_title(f"{style.letter(2)} dependence of features", loc="left", fontsize=7.0)
-    panel.legend(
-        handles=[
-            Patch(color=style.BLUE, label="sampled"),
-            Patch(color=style.ORANGE, label="derived"),
-        ],
-        loc="center right",
-        fontsize=6.5,
-    )
 
 
 NAMED = 6
@@ -143,9 +133,11 @@ def penalised_figure(
                 Line2D([], [], color=style.LIGHT_GREY, label="others"),
                 Line2D([], [], color=COLOURS[AS_PUBLISHED], ls=":", label="penalty as published"),
                 Line2D([], [], color=COLOURS[HONEST], ls="--", label="cross-validated"),
+                *(Patch(color=COLOURS[name], label=f"weights, {PROTOCOLS[name]}")
+                  for name in (AS_PUBLISHED, HONEST)),
             ],
             loc="outside upper center",
-            ncols=5,
+            ncols=6,
         )  # fmt: skip
         style.caption(
             figure,
@@ -200,10 +192,7 @@ def _weights_panel(panel, index, model, weights) -> None:
     reach = 0.0
     for shift, protocol in ((-0.2, AS_PUBLISHED), (0.2, HONEST)):
         rows = mine[mine["protocol"] == protocol].set_index("feature").loc[features]
-        panel.barh(
-            places + shift, rows["weight"], height=0.4, color=COLOURS[protocol],
-            label=PROTOCOLS[protocol],
-        )  # fmt: skip
+        panel.barh(places + shift, rows["weight"], height=0.4, color=COLOURS[protocol])
         reach = max(reach, float(rows["weight"].abs().max()))
     reach = 1.45 * reach or 1.0
     panel.set_xlim(-reach, reach)
@@ -212,12 +201,9 @@ def _weights_panel(panel, index, model, weights) -> None:
             panel.text(reach, place, f"{share:.2f}", fontsize=6.5, va="center", ha="right")
     panel.axvline(0.0, color=style.BLACK, lw=0.5)
     panel.xaxis.set_major_locator(MaxNLocator(4))
-    panel.set_yticks(places, feature_ticks(features), fontsize=6.5)
-    panel.tick_params(axis="y", length=0)
-    panel.invert_yaxis()
+    feature_rows(panel, features)
     panel.set_xlabel("Standardised weight")
     panel.set_title(f"{style.letter(index)} {MODELS[model]}: weights", loc="left", fontsize=7.0)
-    panel.legend(loc="lower left", fontsize=6.5, handlelength=1.0)
 
 
 def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
@@ -236,7 +222,6 @@ def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
     with style.style():
         figure, axes = style.panels(3, 3, 3.3)
         published = selection[selection["protocol"] == AS_PUBLISHED]
-        ticks = feature_ticks(published["feature"])
         places = np.arange(len(published))
         largest = published[["lasso_weight", "ridge_weight"]].abs().max(axis=1)
         for panel, index, values, words in (
@@ -244,36 +229,32 @@ def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
             (axes[1], 1, published["leading_share"], "Share in leading components"),
         ):
             by = ("weight", "loading")[index]
-            colours = np.where(published["chosen_by"] == by, style.BLUE, style.LIGHT_GREY)
+            chosen = published["chosen_by"] == by
+            colours = np.where(chosen, COLOURS[AS_PUBLISHED], style.LIGHT_GREY)
             panel.barh(places, values, height=0.66, color=colours)
-            panel.set_yticks(places, ticks, fontsize=6.5)
-            panel.tick_params(axis="y", length=0)
-            panel.invert_yaxis()
+            feature_rows(panel, published["feature"])
             panel.set_xlabel(words)
             panel.set_title(
                 f"{style.letter(index)} chosen by {by}, as published", loc="left", fontsize=7.0
             )
-        _survival(axes[2], selection, ticks)
+        _survival(axes[2], selection[selection["protocol"] == HONEST])
         shared = {name: summary[name]["shared_with_paper"] for name in (AS_PUBLISHED, HONEST)}
         style.caption(
             figure,
             f"{summary['count']} features, half by weight (larger of lasso and ridge), half by "
-            "squared loadings on the components that hold half of the variance; blue in (a, b): "
-            f"chosen. Shared with the paper's 12: {shared[AS_PUBLISHED]} as published (all rows, "
-            f"min-max scaling), {shared[HONEST]} honest (training rows of the first split)",
+            "squared loadings on the components that hold half of the variance; grey in (a, b): "
+            f"not chosen. Shared with the paper's 12: {shared[AS_PUBLISHED]} as published (all "
+            f"rows, min-max scaling), {shared[HONEST]} honest (training rows of the first split)",
         )
     return figure
 
 
-def _survival(panel, selection, ticks) -> None:
-    places = np.arange(len(ticks))
-    honest = selection[selection["protocol"] == HONEST]
-    panel.barh(places, honest["survives"], height=0.66, color=COLOURS[HONEST], alpha=0.8)
+def _survival(panel, honest) -> None:
+    places = np.arange(len(honest))
+    panel.barh(places, honest["survives"], height=0.66, color=COLOURS[HONEST])
     listed = honest["in_paper"].to_numpy(dtype=bool)
     panel.plot(np.full(listed.sum(), 1.06), places[listed], "o", color=style.BLACK, ms=3.0)
     panel.set_xlim(0.0, 1.12)
-    panel.set_yticks(places, ticks, fontsize=6.5)
-    panel.tick_params(axis="y", length=0)
-    panel.invert_yaxis()
+    feature_rows(panel, honest["feature"])
     panel.set_xlabel("Share of splits that choose it")
     panel.set_title(f"{style.letter(2)} honest; dot: in the paper's list", loc="left", fontsize=7.0)

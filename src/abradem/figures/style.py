@@ -17,6 +17,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from abradem.dataset import replacing
 from abradem.parameters import quantity
@@ -109,6 +110,19 @@ def axis_label(name: str) -> str:
     row = quantity(name)
     words = row.long_name[0].upper() + row.long_name[1:]
     return with_unit(f"{words} ${row.tex}$", row.unit)
+
+
+def feature_colours(names: Iterable[str]) -> list[str]:
+    """Colour of each feature: whether it is sampled or derived from sampled ones."""
+    return [ORANGE if quantity(name).kind == "derived" else BLUE for name in names]
+
+
+def feature_handles() -> list[Patch]:
+    """What a legend says about `feature_colours`."""
+    return [
+        Patch(color=BLUE, label="sampled feature"),
+        Patch(color=ORANGE, label="derived feature (a function of sampled ones)"),
+    ]
 
 
 def letter(index: int) -> str:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from abradem.figures import style
-from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS, feature_ticks
+from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS, feature_rows
 from abradem.parameters import quantity
 
 LOWEST = -1.5
@@ -27,6 +27,8 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
     """
     with style.style():
         figure, axes = style.panels(3, 3, 3.2)
+        # One scale for both, so that they compare.
+        low = min(float(curve[["r2", "r2_lower"]].min().min()), 0.0)
         for index, protocol in enumerate((AS_PUBLISHED, HONEST)):
             panel = axes[index]
             rows = curve[curve["protocol"] == protocol]
@@ -38,8 +40,7 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
                         part["depth"], part["r2_lower"], part["r2_upper"],
                         color=COLOURS[protocol], alpha=0.15, lw=0,
                     )  # fmt: skip
-            low = float(rows[["r2", "r2_lower"]].min().min())
-            panel.set_ylim(max(min(low, 0.0) - 0.1, LOWEST), 1.08)
+            panel.set_ylim(max(low - 0.1, LOWEST), 1.08)
             panel.axhline(0.0, color=style.BLACK, lw=0.5)
             panel.set_xlim(0.0, rows["depth"].max() + 1)
             panel.set_xlabel("Largest depth")
@@ -72,9 +73,7 @@ def _importance_panel(panel, importance: pd.DataFrame) -> None:
     for shift, model, colour in ((-0.2, "tree", style.SKY), (0.2, "forest", style.GREEN)):
         rows = importance[importance["model"] == model].set_index("feature").loc[features]
         panel.barh(places + shift, rows["importance"], height=0.4, color=colour, label=model)
-    panel.set_yticks(places, feature_ticks(features), fontsize=6.5)
-    panel.tick_params(axis="y", length=0)
-    panel.invert_yaxis()
+    feature_rows(panel, features)
     panel.set_xlabel("Importance")
     panel.legend(loc="lower right")
     panel.set_title(f"{style.letter(2)} honest tree and forest", loc="left", fontsize=7.0)

@@ -28,6 +28,13 @@ def feature_ticks(names) -> list[str]:
     return [f"{quantity(name).symbol}  ${quantity(name).tex}$" for name in names]
 
 
+def feature_rows(panel, names) -> None:
+    """A panel with one row for each feature, the first on top."""
+    panel.set_yticks(range(len(names)), feature_ticks(names), fontsize=6.5)
+    panel.tick_params(axis="y", length=0)
+    panel.set_ylim(len(names) - 0.4, -0.6)
+
+
 def minus(text: str) -> str:
     """A number's text with a minus sign."""
     return text.replace("-", "\N{MINUS SIGN}")

@@ -30,7 +30,7 @@ from abradem.learning import genetic, paper
 from abradem.learning.evaluation import Results
 from abradem.learning.genetic import Memory, Options, Problem, Search
 from abradem.learning.modelfile import about
-from abradem.learning.network import Layers, Training
+from abradem.learning.network import Layers, Training, one_thread
 from abradem.learning.protocols import (
     AS_PUBLISHED,
     HONEST,
@@ -130,6 +130,7 @@ def published_network_split(table: Table) -> Split:
     )
 
 
+@one_thread()
 def fit_networks(
     table: Table,
     protocol: str,
@@ -143,6 +144,7 @@ def fit_networks(
     retrainings: int = 10,
     searches: int = 1,
     test_share: float = 0.2,
+    confidence: float = 0.95,
     seed: int = 0,
     cores: int = 1,
     device: str = "cpu",
@@ -170,7 +172,7 @@ def fit_networks(
         Trainings of the found net from other start weights, the first included.
     searches : int
         Honest searches, each inside another of the repeated splits.
-    test_share, seed
+    test_share, confidence, seed
         Of the repeated splits.
     cores : int
     device : {"cpu", "cuda"}
@@ -196,7 +198,7 @@ def fit_networks(
         ours = _seed(seed, repeat)
         memory = Memory(
             folder and Path(folder) / f"search-{repeat}",
-            genetic.fingerprint(problem, options.weights, training, ours, code),
+            genetic.fingerprint(problem, options.weights, training, device, ours, code),
         )
         search = genetic.search(
             problem, options, training, ours, cores, device, memory,
@@ -215,7 +217,9 @@ def fit_networks(
         shutil.rmtree(folder, ignore_errors=True)
     split, search = found[0]
     network, scalers = counted[0]
-    scores = {name: scores_of(results.scores, name, protocol) for name in (MODEL, PAPER_NET)}
+    scores = {
+        name: scores_of(results.scores, name, protocol, confidence) for name in (MODEL, PAPER_NET)
+    }
     summary = {
         "model": MODEL,
         "protocol": protocol,
@@ -225,7 +229,8 @@ def fit_networks(
         "architecture": list(search.best.layers),
         "best_fitness": search.fitness,
         "lineage": _lineage(search),
-        "networks_trained": len(search.history.drop_duplicates(["layers", "weights_seed"])),
+        "generations": _generations(search),
+        "networks_trained": search.trained,
         "rows": {
             "fit": len(split.fit),
             "fitness": len(split.look),
@@ -235,11 +240,13 @@ def fit_networks(
         "searches": [
             {"architecture": list(one.best.layers), "best_fitness": one.fitness} for _, one in found
         ],
+        "confidence": confidence,
         "scores": scores,
     }
     description = about(
         table, MODEL, protocol, "network", scalers, split.train, split.columns, **{
-            name: summary[name] for name in ("architecture", "best_fitness", "lineage")
+            name: summary[name]
+            for name in ("architecture", "best_fitness", "lineage", "confidence")
         },
         scores=scores[MODEL],
     )  # fmt: skip
@@ -323,6 +330,21 @@ def _lineage(search: Search) -> list[dict]:
         {"generation": generation, "individual": individual}
         | rows.loc[(generation, individual), columns].to_dict()
         for generation, individual in search.lineage
+    ]
+
+
+def _generations(search: Search) -> list[dict]:
+    """Fitness and size of the networks of each generation in few numbers."""
+    return [
+        {
+            "generation": generation,
+            "best_fitness": rows["fitness"].max(),
+            "median_fitness": rows["fitness"].median(),
+            "fewest_parameters": rows["parameters"].min(),
+            "median_parameters": rows["parameters"].median(),
+            "most_parameters": rows["parameters"].max(),
+        }
+        for generation, rows in search.history.groupby("generation")
     ]
 
 

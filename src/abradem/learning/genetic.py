@@ -5,14 +5,16 @@ start weights, or instead of fresh weights those that a parent was left with. It
 on the rows that the caller names: validation rows, or, as published, the test rows.
 
 One generation to the next: the best stay (elitism); the places left are filled by pairs of
-parents chosen by roulette (chance proportional to the fitness above the worst) or tournament
-(best of a few drawn), two-point crossover between lists of different lengths, and mutation of
+parents chosen by roulette (chance proportional to the fitness above the worst, where R2 below -1
+counts as -1, else one hopeless network would make all others alike) or tournament (best of a few
+drawn), two-point crossover between lists of different lengths, and mutation of
 the neurons of one layer. Every choice of a generation comes from a generator of (seed,
 generation), so a search can be replayed: with the fitnesses found so far in a file, it resumes
 by repeating its decisions without the training.
 
 The networks of a generation are trained one per core, one thread each, the largest first; one
-that was met before is not trained again.
+that was met before is not trained again. All train to the end: to stop those that fall behind
+would make a score depend on the others and on the order of training.
 """
 
 from __future__ import annotations
@@ -24,8 +26,10 @@ import multiprocessing
 import os
 import shutil
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -39,6 +43,7 @@ from abradem.learning.network import (
     Network,
     Training,
     network_of,
+    one_thread,
     parameters_of,
     start,
     train,
@@ -46,6 +51,8 @@ from abradem.learning.network import (
 from abradem.learning.scores import r2
 
 SELECTIONS = ("tournament", "roulette")
+FAILED = -1e9
+"""Fitness of a network whose weights ran away."""
 WEIGHTS = ("seed", "inherited")
 
 
@@ -104,6 +111,7 @@ class Search(NamedTuple):
     ``history`` has one row per individual: generation, individual, layers, parameters,
     weights_seed, parent_a, parent_b, origin, fitness. ``lineage`` is the descent of the
     best: its generation and number, then those of its first parents back to the start.
+    ``trained`` counts the different networks.
     """
 
     best: Chromosome
@@ -111,6 +119,7 @@ class Search(NamedTuple):
     network: Network
     history: pd.DataFrame
     lineage: list[tuple[int, int]]
+    trained: int
 
 
 class Memory:
@@ -205,11 +214,11 @@ def search(
     """
     check_options(options)
     memory = memory or Memory()
-    first = time.monotonic()
+    began = time.monotonic()
     rows: list[dict] = []
     generations: list[list[Individual]] = []
     best, best_fitness, place = None, -np.inf, (0, 0)
-    with _trainer(problem, training, cores, device) as trainer:
+    with _trainer(problem, training, min(cores, options.population), device) as trainer:
         population = _first(options, _generator(seed, 0))
         for generation in range(options.generations):
             _evaluate(population, problem, options, memory, trainer)
@@ -217,19 +226,26 @@ def search(
             rows += _rows(generation, population, fitness, problem.x.shape[1])
             generations.append(population)
             top = int(np.argmax(fitness))
-            if fitness[top] > best_fitness or best is None:
+            if fitness[top] > best_fitness:
                 best, best_fitness = population[top].chromosome, float(fitness[top])
                 place = (generation, top)
             if generation == 0:
-                first = time.monotonic()
+                began = time.monotonic()
             if progress:
-                progress(_line(generation, options.generations, best_fitness, best, first))
+                progress(_line(generation, options.generations, best_fitness, best, began))
             if generation + 1 < options.generations:
                 rng = _generator(seed, generation + 1)
                 population = _next(population, fitness, options, rng)
         heritage = memory.network(best.heritage)
         (network,) = trainer.networks([best], [heritage])
-    return Search(best, best_fitness, network, pd.DataFrame(rows), _lineage(generations, place))
+    return Search(
+        best,
+        best_fitness,
+        network,
+        pd.DataFrame(rows),
+        _lineage(generations, place),
+        len({one.chromosome.key for population in generations for one in population}),
+    )
 
 
 def train_again(
@@ -276,6 +292,9 @@ def check_options(options: Options) -> None:
         raise ValueError(f"elites = {options.elites} must be fewer than the population")
 
 
+_TRIES = 100
+
+
 def crossover(
     first: Layers, second: Layers, options: Options, rng: np.random.Generator
 ) -> tuple[Layers, Layers]:
@@ -293,9 +312,6 @@ def crossover(
     return first, second
 
 
-_TRIES = 100
-
-
 def mutate(layers: Layers, options: Options, rng: np.random.Generator) -> Layers:
     """Change the neurons of one layer by up to the mutation's size, within the limits."""
     place = int(rng.integers(len(layers)))
@@ -306,16 +322,15 @@ def mutate(layers: Layers, options: Options, rng: np.random.Generator) -> Layers
 
 def pick(fitness: np.ndarray, options: Options, rng: np.random.Generator) -> int:
     """Number of a parent, by tournament or roulette."""
-    finite = np.where(np.isfinite(fitness), fitness, -np.inf)
     if options.selection == "tournament":
-        size = min(options.tournament_size, len(finite))
-        drawn = rng.choice(len(finite), size, replace=False)
-        return int(drawn[np.argmax(finite[drawn])])
-    worst = finite[np.isfinite(finite)].min(initial=0.0)
-    above = np.where(np.isfinite(finite), finite - worst, 0.0)
+        size = min(options.tournament_size, len(fitness))
+        drawn = rng.choice(len(fitness), size, replace=False)
+        return int(drawn[np.argmax(fitness[drawn])])
+    above = np.maximum(fitness, -1.0)
+    above -= above.min()
     if above.sum() <= 0.0:
-        return int(rng.integers(len(finite)))
-    return int(rng.choice(len(finite), p=above / above.sum()))
+        return int(rng.integers(len(fitness)))
+    return int(rng.choice(len(fitness), p=above / above.sum()))
 
 
 def _first(options: Options, rng: np.random.Generator) -> list[Individual]:
@@ -340,7 +355,7 @@ def _first(options: Options, rng: np.random.Generator) -> list[Individual]:
 def _next(
     population: list[Individual], fitness: np.ndarray, options: Options, rng: np.random.Generator
 ) -> list[Individual]:
-    order = np.argsort(-np.nan_to_num(fitness, nan=-np.inf), kind="stable")
+    order = np.argsort(-fitness, kind="stable")
     children = [
         Individual(population[i].chromosome, (int(i), -1), "elite") for i in order[: options.elites]
     ]
@@ -387,7 +402,7 @@ def _evaluate(
     )
     heritages = [memory.network(chromosome.heritage) for chromosome in chromosomes]
     for chromosome, (fitness, network) in zip(
-        chromosomes, trainer.fitnesses(chromosomes, heritages, inherit), strict=False
+        chromosomes, trainer.fitnesses(chromosomes, heritages, inherit), strict=True
     ):
         memory.add(chromosome.key, fitness, network)
 
@@ -424,7 +439,7 @@ class _Trainer:
 
     def fitness(self, network: Network) -> float:
         value = r2(self.problem.fitness_y, network.predict(self.problem.fitness_x))
-        return float(value) if np.isfinite(value) else -1e9
+        return float(value) if np.isfinite(value) else FAILED
 
     def fitnesses(self, chromosomes, heritages, weights: bool) -> Iterator:
         if self.device == "cuda":
@@ -439,22 +454,24 @@ class _Trainer:
 class _Pool(_Trainer):
     """Trains chromosomes one per core, in processes that share the rows of this one."""
 
-    def __init__(self, problem: Problem, training: Training, pool):
+    def __init__(self, problem: Problem, training: Training, pool: ProcessPoolExecutor):
         super().__init__(problem, training, "cpu")
         self.pool = pool
 
     def fitnesses(self, chromosomes, heritages, weights: bool) -> Iterator:
         jobs = [(*pair, weights) for pair in zip(chromosomes, heritages, strict=True)]
-        return self.pool.imap(_train_one, jobs)
+        return self.pool.map(_train_one, jobs)
 
 
 _HERE: dict[str, _Trainer] = {}
 
 
 def _begin(trainer: _Trainer) -> None:
-    import torch
+    def end_with_parent():
+        multiprocessing.parent_process().join()
+        os._exit(1)
 
-    torch.set_num_threads(1)
+    threading.Thread(target=end_with_parent, daemon=True).start()
     _HERE["trainer"] = trainer
 
 
@@ -469,20 +486,15 @@ def _trainer(problem: Problem, training: Training, cores: int, device: str) -> I
 
     if device == "cuda" and not torch.cuda.is_available():
         raise ValueError("device: cuda: torch finds no graphics card; use cpu")
-    threads = torch.get_num_threads()
-    # One thread each: more would change the order of sums, and so the last digits.
-    torch.set_num_threads(1)
-    try:
-        here = _Trainer(problem, training, device)
+    here = _Trainer(problem, training, device)
+    with one_thread():
         # Forked processes share the rows and need no start-up; elsewhere there is one process.
         if device == "cpu" and cores > 1 and "fork" in multiprocessing.get_all_start_methods():
             context = multiprocessing.get_context("fork")
-            with context.Pool(cores, _begin, (here,)) as pool:
+            with ProcessPoolExecutor(cores, context, _begin, (here,)) as pool:
                 yield _Pool(problem, training, pool)
         else:
             yield here
-    finally:
-        torch.set_num_threads(threads)
 
 
 def _rows(generation, population, fitness, inputs) -> list[dict]:
@@ -513,13 +525,13 @@ def _lineage(generations: list[list[Individual]], place: tuple[int, int]) -> lis
     return found
 
 
-def _line(generation, generations, fitness, best, first) -> str:
+def _line(generation, generations, fitness, best, began) -> str:
     """Progress in words; the first generation, which also loads libraries, times nothing."""
     done = generation + 1
     line = f"generation {done} of {generations}, best R2 {fitness:.3f} "
     line += f"({'-'.join(map(str, best.layers))})"
     if 1 < done < generations:
-        left = (time.monotonic() - first) / (done - 1) * (generations - done)
+        left = (time.monotonic() - began) / (done - 1) * (generations - done)
         line += f", about {left:.0f} s left"
     return line
 

@@ -52,8 +52,8 @@ from abradem.learning.protocols import (
     held_out,
     published_split,
 )
-from abradem.learning.scores import score, scores_of
-from abradem.learning.table import Table, constant, learning_table, standard_scaler
+from abradem.learning.scores import r2, scores_of
+from abradem.learning.table import Scaler, Table, constant, learning_table, standard_scaler
 from abradem.parameters import FEATURE_NAMES, TARGET, quantity
 
 MODEL = "linear"
@@ -65,16 +65,16 @@ SINGULAR_CUTOFF = 1e-10
 class Fit(NamedTuple):
     """Least squares in standardised variables; arrays run over the features.
 
-    ``scale`` is 1 for a constant feature, whose coefficient is 0 and not ``identified``.
+    The coefficient of a constant feature is 0 and not ``identified``. ``leverage`` runs over the
+    rows fitted.
     """
 
-    mean: np.ndarray
-    scale: np.ndarray
-    target_mean: float
-    target_scale: float
+    of_features: Scaler
+    of_target: Scaler
     coefficients: np.ndarray
     standard_error: np.ndarray
     identified: np.ndarray
+    leverage: np.ndarray
     rank: int
     condition_number: float
     degrees_of_freedom: int
@@ -87,13 +87,14 @@ class LinearResult:
     Attributes
     ----------
     coefficients : pandas.DataFrame
-        symbol, feature, coefficient, standard_error, lower, upper, identified,
+        protocol, symbol, feature, coefficient, standard_error, lower, upper, identified,
         variance_inflation; one row per feature, dimensionless.
     equation : str
         The fitted equation in standardised variables.
     residuals : pandas.DataFrame
-        case_id, fitted, residual (both in standard deviations of the target), leverage; all
-        rows.
+        protocol, case_id, fitted, residual (both in standard deviations of the target),
+        leverage, studentised (residual over its own standard error, which shrinks with the
+        leverage), normal_quantile (that of a normal distribution at its rank); all rows.
     published : pandas.DataFrame
         Printed coefficients beside the refit, see `abradem.learning.paper.compare_equation`.
     predictions : pandas.DataFrame
@@ -129,18 +130,15 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> Fit:
         residual degree of freedom is left or a row is fitted whatever its target.
     """
     n = len(target)
-    mean, fixed = features.mean(axis=0), constant(features)
-    scale = np.where(fixed, 1.0, features.std(axis=0))
-    target_mean, target_scale = float(target.mean()), float(target.std()) or 1.0
-    x = np.where(fixed, 0.0, (features - mean) / scale)
-    y = (target - target_mean) / target_scale
+    of_features, of_target = standard_scaler(features), standard_scaler(target)
+    x, y = of_features.forward(features), of_target.forward(target)
 
     u, singular, vt = np.linalg.svd(x, full_matrices=False)
     kept = singular > SINGULAR_CUTOFF * singular.max(initial=0.0)
     u, singular, vt = u[:, kept], singular[kept], vt[kept]
     rank = len(singular)
     pseudo_inverse = (vt.T / singular) @ u.T
-    coefficients = np.where(fixed, 0.0, pseudo_inverse @ y)
+    coefficients = np.where(constant(features), 0.0, pseudo_inverse @ y)
     identified = np.sum(vt**2, axis=0) > 1.0 - 1e-8
 
     leverage = 1.0 / n + np.sum(u**2, axis=1)
@@ -152,13 +150,12 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> Fit:
     else:
         error = np.full(features.shape[1], np.nan)
     return Fit(
-        mean,
-        scale,
-        target_mean,
-        target_scale,
+        of_features,
+        of_target,
         coefficients,
         error,
         identified,
+        leverage,
         rank,
         float(singular.max() / singular.min()) if rank else np.nan,
         max(freedom, 0),
@@ -167,9 +164,7 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> Fit:
 
 def predict(fit: Fit, features: np.ndarray) -> np.ndarray:
     """Target of rows of features, in its own unit."""
-    return fit.target_mean + fit.target_scale * (
-        (features - fit.mean) / fit.scale @ fit.coefficients
-    )
+    return fit.of_target.back(fit.of_features.forward(features) @ fit.coefficients)
 
 
 def ordinary(x: np.ndarray, y: np.ndarray) -> Predict:
@@ -208,8 +203,7 @@ def breusch_pagan(features: np.ndarray, residuals: np.ndarray) -> dict:
     fit = least_squares(features, squared)
     if len(squared) <= fit.rank + 1 or np.ptp(squared) == 0.0:
         return {"statistic": np.nan, "degrees_of_freedom": fit.rank, "p_value": np.nan}
-    explained = score(squared, predict(fit, features), 0.0)["R2"]
-    statistic = len(squared) * explained
+    statistic = len(squared) * r2(squared, predict(fit, features))
     return {
         "statistic": statistic,
         "degrees_of_freedom": fit.rank,
@@ -263,13 +257,13 @@ def fit_linear(
     everything = np.arange(len(y))
     results.add(MODEL, HONEST, "fit", -1, everything, fitted, float(y.min()), keep=False)
     residuals = _residuals(rows, fit, fitted)
-    published, own = compare_equation(_published_coefficients(rows))
+    published, own = compare_equation(*_published_equation(rows))
     coefficients = _coefficients(fit, confidence).assign(variance_inflation=variance_inflation(x))
     scores = results.scores
     tested = held_out(len(y), test_share)
     train = len(y) - tested
     description = about(
-        rows, MODEL, HONEST, "linear", of_all,
+        rows, MODEL, HONEST, "linear", of_all, confidence=confidence,
         scores=scores_of(scores, MODEL, HONEST, confidence),
     )  # fmt: skip
     for feature, coefficient in zip(description["features"], fit.coefficients, strict=True):
@@ -295,7 +289,6 @@ def fit_linear(
                 "rows": len(y), "train": train, "test": tested, "repeats": repeats,
                 "test_share": test_share, "seed": seed,
             },
-            "confidence": confidence,
             "notes": _notes(fit, constant(x), len(y), train, tested, scores),
         },
     )  # fmt: skip
@@ -315,32 +308,41 @@ def write_linear(result: LinearResult, paths: Mapping[str, str | Path]) -> None:
     )
 
 
-def _published_coefficients(table: Table) -> np.ndarray:
-    """Coefficients of the published split in variables scaled over all rows."""
+def _published_equation(table: Table) -> tuple[float, np.ndarray]:
+    """Intercept and coefficients of the published split in variables scaled over all rows."""
     of_x, of_y = scalers_of_all_rows(table)
     train, _ = published_split(len(table.target), PUBLISHED_SHARE)
     fit = least_squares(of_x.forward(table.features[train]), of_y.forward(table.target[train]))
-    return fit.coefficients * fit.target_scale / fit.scale
+    slopes = fit.coefficients * fit.of_target.scale / fit.of_features.scale
+    return float(fit.of_target.mean - fit.of_features.mean @ slopes), slopes
 
 
 def _misprints(published: pd.DataFrame) -> list[str]:
     rows = published[published["verdict"] != "agrees"]
     return [
-        f"{row.symbol}: printed {row.printed:+.3f}, refitted {row.refitted:+.3f} ({row.verdict})"
+        f"{row.symbol or row.feature}: printed {row.printed:+.3f}, refitted {row.refitted:+.3f} "
+        f"({row.verdict})"
         for row in rows.itertuples(index=False)
     ]
 
 
 def _residuals(table: Table, fit: Fit, fitted: np.ndarray) -> pd.DataFrame:
-    z = (table.features - fit.mean) / fit.scale
-    u, singular, _ = np.linalg.svd(z, full_matrices=False)
-    kept = singular > SINGULAR_CUTOFF * singular.max(initial=0.0)
+    residual = (table.target - fitted) / fit.of_target.scale
+    studentised = np.full(len(residual), np.nan)
+    if fit.degrees_of_freedom and fit.leverage.max() < 1.0 - 1e-9:
+        spread = np.sqrt(np.sum(residual**2) / fit.degrees_of_freedom) or np.nan
+        studentised = residual / (spread * np.sqrt(1.0 - fit.leverage))
     return pd.DataFrame(
         {
+            "protocol": HONEST,
             "case_id": table.keys,
-            "fitted": (fitted - fit.target_mean) / fit.target_scale,
-            "residual": (table.target - fitted) / fit.target_scale,
-            "leverage": 1.0 / len(z) + np.sum(u[:, kept] ** 2, axis=1),
+            "fitted": fit.of_target.forward(fitted),
+            "residual": residual,
+            "leverage": fit.leverage,
+            "studentised": studentised,
+            "normal_quantile": stats.norm.ppf(
+                (stats.rankdata(studentised, "ordinal") - 0.5) / len(residual)
+            ),
         }
     )
 
@@ -350,6 +352,7 @@ def _coefficients(fit: Fit, confidence: float) -> pd.DataFrame:
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, freedom) if freedom else np.nan
     return pd.DataFrame(
         {
+            "protocol": HONEST,
             "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
             "feature": FEATURE_NAMES,
             "coefficient": fit.coefficients,

@@ -140,7 +140,8 @@ class Model:
         x = rows[[feature["name"] for feature in features]].to_numpy(dtype=float)
         for values, feature in zip(x.T, features, strict=True):
             low, high = feature["training_range"]
-            beyond = int(np.sum((values < low) | (values > high)))
+            # Not a number lies nowhere.
+            beyond = int(np.sum(~((values >= low) & (values <= high))))
             if beyond:
                 warnings.warn(
                     f"{feature['name']}: {beyond} of {len(values)} values lie outside the "
@@ -157,17 +158,22 @@ class Model:
             return z @ arrays["coefficients"]
         if self.description["kind"] == "trees":
             return predict_trees(arrays, z)
-        layer, values = 0, z.astype(np.float32)
-        while f"weights_{layer}" in arrays:
-            values = np.maximum(values, 0.0) if layer else values
-            values = values @ arrays[f"weights_{layer}"] + arrays[f"biases_{layer}"]
-            layer += 1
-        return values[:, 0].astype(float)
+        return predict_network(arrays, z)
 
 
 def load_model(path: str | Path) -> Model:
     """Read a model from its JSON file and the safetensors file beside it."""
     return Model(read_json(path), read_arrays(Path(path).with_suffix(".safetensors")))
+
+
+def predict_network(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
+    """Output of the layers ``weights_0`` (in, out), ``biases_0`` (out,), ... for scaled rows."""
+    layer, values = 0, z.astype(np.float32)
+    while f"weights_{layer}" in arrays:
+        values = np.maximum(values, 0.0) if layer else values
+        values = values @ arrays[f"weights_{layer}"] + arrays[f"biases_{layer}"]
+        layer += 1
+    return values[:, 0].astype(float)
 
 
 def tree_arrays(trees: list) -> dict[str, np.ndarray]:

@@ -13,17 +13,41 @@ of each layer: the gradient of a padded weight is zero, so padding stays zero. T
 a processor, where networks go one by one, and the way to use a graphics card.
 
 Start weights (uniform within sqrt(6 / (in + out)), Glorot and Bengio 2010) and the order of rows
-come from the network's own seed, and one thread computes it, so that its score depends neither
-on its neighbours nor on the number of cores.
+come from the network's own seed, and one thread computes it (`one_thread`), so that its score
+depends neither on its neighbours nor on the number of cores. On a graphics card the sums of a
+batch are ordered otherwise, so the last digits do depend on the neighbours.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+
+from abradem.learning.modelfile import predict_network
+
+
+@contextlib.contextmanager
+def one_thread() -> Iterator[None]:
+    """Limit torch, and the linear algebra behind numpy, to one thread.
+
+    More would change the order of sums, and so the last digits; the workflow also tells both to
+    use as many threads as a rule has cores.
+    """
+    import torch
+    from threadpoolctl import threadpool_limits
+
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        with threadpool_limits(1):
+            yield
+    finally:
+        torch.set_num_threads(threads)
+
 
 Layers = tuple[int, ...]
 """Neurons of the hidden layers."""
@@ -45,11 +69,7 @@ class Network(NamedTuple):
 
     def predict(self, rows: np.ndarray) -> np.ndarray:
         """Output for rows, shape (n,)."""
-        values = rows.astype(np.float32)
-        for layer, (weights, biases) in enumerate(zip(self.weights, self.biases, strict=True)):
-            values = np.maximum(values, 0.0) if layer else values
-            values = values @ weights + biases
-        return values[:, 0].astype(float)
+        return predict_network(self.arrays(), rows)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The arrays by name, for a file."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from abradem.learning.protocols import AS_PUBLISHED
 from abradem.parameters import FEATURE_NAMES, quantity
 
 INTERCEPT = -0.019
@@ -40,34 +41,37 @@ ROUNDING = 0.006
 digit, two decimals for some."""
 
 AGREE_ON_ITS_TABLE = 12
-"""So many of the 20 coefficients agree only where the refit is on the study's own table."""
+"""So many of the 21 numbers agree only where the refit is on the study's own table."""
 
 
-def compare_equation(refit: np.ndarray) -> tuple[pd.DataFrame, bool]:
-    """Printed coefficients beside a refit by the same steps.
+def compare_equation(intercept: float, refit: np.ndarray) -> tuple[pd.DataFrame, bool]:
+    """The printed equation beside a refit by the same steps.
 
     Parameters
     ----------
+    intercept : float
     refit : ndarray, shape (20,)
-        Coefficients in standardised variables, protocol as published.
+        Intercept and coefficients in standardised variables, protocol as published.
 
     Returns
     -------
     table : pandas.DataFrame
-        symbol, feature, printed, refitted, verdict: ``agrees``, ``misprinted sign``,
+        protocol, symbol, feature, printed, refitted, verdict: ``agrees``, ``misprinted sign``,
         ``misprinted value``, or ``another table`` for all where the rows are not the study's.
+        The intercept comes first, without a symbol.
     own : bool
         Whether the refit looks like one on the study's own table.
     """
-    printed, refit = np.array(EQUATION), np.asarray(refit, dtype=float)
+    printed, refit = np.array([INTERCEPT, *EQUATION]), np.array([intercept, *refit], dtype=float)
     agrees = np.abs(printed - refit) < ROUNDING
     mirrored = np.abs(printed + refit) < ROUNDING
     own = int(agrees.sum()) >= AGREE_ON_ITS_TABLE
     verdict = np.where(agrees, "agrees", np.where(mirrored, "misprinted sign", "misprinted value"))
     table = pd.DataFrame(
         {
-            "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
-            "feature": FEATURE_NAMES,
+            "protocol": AS_PUBLISHED,
+            "symbol": ["", *(quantity(name).symbol for name in FEATURE_NAMES)],
+            "feature": ["intercept", *FEATURE_NAMES],
             "printed": printed,
             "refitted": refit,
             "verdict": verdict if own else "another table",

@@ -29,10 +29,7 @@ from abradem.learning.modelfile import about
 from abradem.learning.protocols import (
     AS_PUBLISHED,
     HONEST,
-    PUBLISHED_SHARE,
     folds,
-    published_split,
-    repeated_splits,
 )
 from abradem.learning.scores import r2, scores_of
 from abradem.learning.table import Table, standard_scaler
@@ -64,10 +61,10 @@ class PenalisedResult:
         model, protocol, symbol, feature, weight, survives: the share of the fits of a protocol
         in which the weight is not zero.
     paths : pandas.DataFrame
-        model, alpha, symbol, feature, weight on all rows.
+        model, protocol, alpha, symbol, feature, weight on all rows.
     validation : pandas.DataFrame
-        model, alpha, mean and standard error of R2 over the folds of a cross-validation of
-        all rows.
+        model, protocol, alpha, mean and standard error of R2 over the folds of a
+        cross-validation of all rows.
     results : Results
     models : dict
         Description and arrays of both models by name.
@@ -102,13 +99,14 @@ def weights(model: str, x: np.ndarray, y: np.ndarray, alphas: np.ndarray) -> np.
     return found.T
 
 
-def penalised(model: str, alpha: float) -> Fit:
-    """A model of given penalty, in standardised variables."""
+def penalised(model: str, alpha: float, found: list) -> Fit:
+    """A model of given penalty, in standardised variables; its weights are added to ``found``."""
 
     def fit(x: np.ndarray, y: np.ndarray):
-        (found,) = weights(model, x, y, np.array([alpha]))
+        (slopes,) = weights(model, x, y, np.array([alpha]))
+        found.append(slopes)
         centre, middle = x.mean(axis=0), y.mean()
-        return lambda rows: middle + (rows - centre) @ found
+        return lambda rows: middle + (rows - centre) @ slopes
 
     return fit
 
@@ -137,6 +135,7 @@ def fit_penalised(
     fold_count: int = 5,
     test_share: float = 0.2,
     repeats: int = 20,
+    confidence: float = 0.95,
     seed: int = 0,
 ) -> PenalisedResult:
     """Fit lasso and ridge under both protocols.
@@ -150,7 +149,7 @@ def fit_penalised(
         Penalties on each path.
     fold_count : int
         Folds of the cross-validations.
-    test_share, repeats, seed
+    test_share, repeats, confidence, seed
         Of the honest splits.
     """
     published = {"lasso": lasso_alpha, "ridge": ridge_alpha}
@@ -161,28 +160,17 @@ def fit_penalised(
     rows, paths, validation, models, summary = [], [], [], {}, {}
 
     for model in MODELS:
-        evaluate_as_published(results, model, scaled(penalised(model, published[model]), of_all))
+        as_published, honest, chosen = [], [], []
+        fit = penalised(model, published[model], as_published)
+        evaluate_as_published(results, model, scaled(fit, of_all))
 
-        chosen = []
-
-        def fit_honest(features, target, model=model, chosen=chosen):
+        def fit_honest(features, target, model=model, chosen=chosen, honest=honest):
             penalty = choose_alpha(model, features, target, path_points, fold_count, seed)
             chosen.append(penalty.alpha)
-            return scaled(penalised(model, penalty.alpha))(features, target)
+            return scaled(penalised(model, penalty.alpha, honest))(features, target)
 
         evaluate_honest(results, model, fit_honest, test_share, repeats, seed)
-
-        # Weights: as published those of its training rows, honest the mean over the splits.
-        train, _ = published_split(len(y), PUBLISHED_SHARE)
-        (as_published,) = weights(model, z[train], v[train], np.array([published[model]]))
-        rows += _weight_rows(model, AS_PUBLISHED, as_published[None])
-        honest = []
-        splits = repeated_splits(table.keys, test_share, repeats, seed)
-        for alpha, (train, _) in zip(chosen, splits, strict=True):
-            of_x, of_y = standard_scaler(x[train]), standard_scaler(y[train])
-            honest += list(
-                weights(model, of_x.forward(x[train]), of_y.forward(y[train]), np.array([alpha]))
-            )
+        rows += _weight_rows(model, AS_PUBLISHED, np.array(as_published))
         rows += _weight_rows(model, HONEST, np.array(honest))
 
         penalty = choose_alpha(model, x, y, path_points, fold_count, seed)
@@ -194,7 +182,7 @@ def fit_penalised(
             "alpha": {AS_PUBLISHED: published[model], HONEST: penalty.alpha},
             "alphas_of_the_splits": chosen,
             "survivors": {
-                AS_PUBLISHED: _names(as_published),
+                AS_PUBLISHED: _names(as_published[0]),
                 HONEST: _names(final),
             },
         }
@@ -206,7 +194,8 @@ def fit_penalised(
                 "linear",
                 of_all,
                 alpha=penalty.alpha,
-                scores=scores_of(results.scores, model, HONEST),
+                confidence=confidence,
+                scores=scores_of(results.scores, model, HONEST, confidence),
             ),
             {"coefficients": final},
         )
@@ -243,6 +232,7 @@ def _path_rows(model: str, alphas: np.ndarray, path: np.ndarray) -> pd.DataFrame
     return pd.DataFrame(
         {
             "model": model,
+            "protocol": HONEST,
             "alpha": np.repeat(alphas, size),
             "symbol": [quantity(name).symbol for name in FEATURE_NAMES] * len(alphas),
             "feature": list(FEATURE_NAMES) * len(alphas),
@@ -252,13 +242,14 @@ def _path_rows(model: str, alphas: np.ndarray, path: np.ndarray) -> pd.DataFrame
 
 
 def _validation_rows(model: str, penalty: Penalty) -> pd.DataFrame:
-    count = len(penalty.scores)
+    count = np.isfinite(penalty.scores).sum(axis=0)
     return pd.DataFrame(
         {
             "model": model,
+            "protocol": HONEST,
             "alpha": penalty.alphas,
-            "mean": penalty.scores.mean(axis=0),
-            "stderr_of_mean": penalty.scores.std(axis=0, ddof=1) / np.sqrt(count),
+            "mean": np.nanmean(penalty.scores, axis=0),
+            "stderr_of_mean": np.nanstd(penalty.scores, axis=0, ddof=1) / np.sqrt(count),
             "chosen": penalty.alphas == penalty.alpha,
         }
     )

@@ -28,7 +28,7 @@ from abradem.learning.protocols import (
     repeated_splits,
 )
 from abradem.learning.scores import r2, scores_of
-from abradem.learning.table import Scaler, Table, minmax_scaler, standard_scaler
+from abradem.learning.table import Scaler, Table, constant, minmax_scaler, standard_scaler
 from abradem.parameters import FEATURE_NAMES, TARGET, quantity
 
 MODEL = "pca"
@@ -67,7 +67,7 @@ class PrincipalResult:
     correlations : pandas.DataFrame
         symbol, feature, other, correlation of all pairs of the 20 features and the target.
     curve : pandas.DataFrame
-        protocol, target, components, r2 on held-out rows: one split as published, median
+        protocol, explained, components, r2 on held-out rows: one split as published, median
         of the repeated splits honest, with their central share as lower and upper.
     results : Results
     model : tuple
@@ -177,7 +177,7 @@ def fit_principal(
         correlations=_correlations(table),
         curve=pd.concat(curve, ignore_index=True),
         results=results,
-        model=_model(table, standard, count, results),
+        model=_model(table, standard, count, results, confidence),
         summary={
             "groups": groups,
             "stiffness": {name: stiffness_words(found) for name, found in groups.items()},
@@ -302,7 +302,7 @@ def _correlations(table: Table) -> pd.DataFrame:
     values = np.column_stack([table.features, table.target])
     of_values = standard_scaler(values)
     z = of_values.forward(values)
-    z[:, np.ptp(values, axis=0) == 0.0] = np.nan
+    z[:, constant(values)] = np.nan
     found = z.T @ z / len(z)
     names = [*FEATURE_NAMES, TARGET.name]
     return pd.DataFrame(
@@ -315,7 +315,9 @@ def _correlations(table: Table) -> pd.DataFrame:
     )
 
 
-def _model(table: Table, parts: Components, count: int, results: Results) -> tuple:
+def _model(
+    table: Table, parts: Components, count: int, results: Results, confidence: float
+) -> tuple:
     x, y = table.features, table.target
     of_x = standard_scaler(x)
     slopes, intercept = _ordinary((of_x.forward(x) - parts.centre) @ parts.axes.T, y, count)
@@ -326,7 +328,8 @@ def _model(table: Table, parts: Components, count: int, results: Results) -> tup
         "linear",
         (of_x, Scaler(np.float64(intercept), np.float64(1.0))),
         components=count,
-        scores=scores_of(results.scores, MODEL, HONEST),
+        confidence=confidence,
+        scores=scores_of(results.scores, MODEL, HONEST, confidence),
     )
     arrays = {
         "coefficients": parts.axes[:count].T @ slopes,

@@ -30,7 +30,11 @@ class Table(NamedTuple):
 
 
 class Scaler(NamedTuple):
-    """Mean and standard deviation of rows; a constant column has scale 1 and becomes 0."""
+    """Mean and standard deviation of rows; a constant column becomes 0.
+
+    The scale of a constant is its own size, so that another value, which no model can have
+    learned from, does not become a huge one.
+    """
 
     mean: np.ndarray
     scale: np.ndarray
@@ -91,8 +95,9 @@ def constant(features: np.ndarray) -> np.ndarray:
 def standard_scaler(values: np.ndarray) -> Scaler:
     """Scaler to mean 0 and standard deviation 1 of ``values``, shape (n,) or (n, p)."""
     columns = values.reshape(len(values), -1)
-    scale = np.where(constant(columns), 1.0, columns.std(axis=0))
-    mean = columns.mean(axis=0)
+    fixed = constant(columns)
+    mean = np.where(fixed, columns[0], columns.mean(axis=0))
+    scale = np.where(fixed, np.where(mean == 0.0, 1.0, np.abs(mean)), columns.std(axis=0))
     if values.ndim == 1:
         return Scaler(mean[0], scale[0])
     return Scaler(mean, scale)

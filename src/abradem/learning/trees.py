@@ -36,8 +36,8 @@ from abradem.learning.table import Table, standard_scaler
 from abradem.parameters import FEATURE_NAMES, quantity
 
 TREE, FOREST = "tree", "forest"
-MOST_PENALTIES = 30
-"""Complexities tried along the pruning sequence."""
+MOST_PENALTIES = 60
+"""Complexities tried along the pruning sequence, from the root alone to the whole tree."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class TreesResult:
     curve : pandas.DataFrame
         protocol, depth, split, r2; honest the median over the splits with r2_lower and r2_upper.
     nodes : pandas.DataFrame
-        The pruned tree of all rows: node, parent, left, right, symbol, feature, threshold (in
-        the feature's unit), unit, rows, prediction (mm/s).
+        The pruned tree of all rows: protocol, node, parent, left, right, symbol, feature,
+        threshold (in the feature's unit), unit, rows, prediction (mm/s).
     importance : pandas.DataFrame
         model, symbol, feature, importance: share of the variance that splits on it removed.
     results : Results
@@ -79,11 +79,13 @@ def grow(x: np.ndarray, y: np.ndarray, depth: int | None = None, penalty: float 
 def choose_penalty(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) -> float:
     """Complexity penalty with the best mean R2 over the folds."""
     path = grow(x, y).cost_complexity_pruning_path(x, y).ccp_alphas
-    # Between two penalties of the sequence the tree is the same: their geometric middle.
+    # Between two penalties of the sequence the tree is the same: their geometric middle. Beyond
+    # the last the root is left alone.
     middles = np.sqrt(np.maximum(path[:-1], 0.0) * path[1:])
-    candidates = np.unique(middles)[-MOST_PENALTIES:]
-    if not len(candidates):
-        return 0.0
+    sequence = np.unique([0.0, *middles, 2.0 * path[-1]])
+    # Few of many: closely where the tree is small, widely where it is large.
+    places = np.unique(np.geomspace(1, len(sequence), MOST_PENALTIES).round().astype(int))
+    candidates = sequence[-places[::-1]]
     scores = [
         [r2(y[check], grow(x[train], y[train], None, c).predict(x[check])) for c in candidates]
         for train, check in folds(len(y), fold_count, seed)
@@ -160,6 +162,7 @@ def fit_trees(
                     "trees",
                     scalers,
                     **more[name],
+                    confidence=confidence,
                     scores=scores_of(results.scores, name, HONEST, confidence),
                 ),
                 arrays[name],
@@ -262,6 +265,7 @@ def _nodes(arrays: dict, samples: np.ndarray, scalers) -> pd.DataFrame:
     )
     return pd.DataFrame(
         {
+            "protocol": HONEST,
             "node": np.arange(count),
             "parent": parent,
             "left": arrays["left"],
