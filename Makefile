@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 STUDY ?=
-# Further options of snakemake, such as ARGS="--cores 1" or ARGS=--dry-run.
+# Further options of snakemake, such as ARGS="--cores 1" or ARGS=--dry-run, or of make bench.
 ARGS ?=
 
 BIN := $(abspath .venv)/bin
@@ -37,8 +37,9 @@ run: $(STAMP) ## a study and its report: make run, make run STUDY=studies/smoke.
 verify: $(STAMP) ## the engine against what is known: results/verification/results.md
 	@$(BIN)/snakemake verification $(ARGS) && echo results/verification/results.md
 
-bench: $(STAMP) ## the engine's two steppings timed against each other
-	$(BIN)/python benchmarks/speed.py
+bench: $(STAMP) ## the engine timed against other codes: make bench ARGS="A B --clock cpu"
+	$(BIN)/python benchmarks/speed.py --table results/benchmarks/speed.csv $(ARGS)
+	$(if $(ARGS),,$(BIN)/python benchmarks/cost.py results/benchmarks)
 
 test: $(STAMP) ## all tests
 	$(BIN)/python -m pytest

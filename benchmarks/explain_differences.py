@@ -1,78 +1,57 @@
-"""Plant another code's choice into a copy of the engine and see whether a difference vanishes.
+"""Take over the choices of other codes one by one and see which differences they explain.
 
     python benchmarks/explain_differences.py
 
-prints, for every variant whose differences `abradem.verification.codes` explains, the largest
-difference of each quantity with our own choice and with theirs.
+prints, for every code, law and restitution of tests/data/codes, the largest difference of any
+quantity (of its largest value over the angles) from the law integrated anew under our choices,
+with each of the other code's choices alone, and with all of them.
 """
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
-import sys
-import tempfile
+import dataclasses
 from pathlib import Path
 
-from planted_errors import ERRORS, ROOT
+import numpy as np
 
-QUESTION = """
-import sys
-import pandas as pd
 from abradem.verification import codes
-table = pd.read_csv(sys.argv[1])
-found = codes.compare(table[table["variant"] == sys.argv[2]])
-found = found[found["restitution"] < 1.0]
-for quantity, part in found.groupby("quantity", sort=False):
-    scale = part["reference"].abs().max()
-    print(quantity, f"{(part['ours'] - part['reference']).abs().max() / scale:.2g}")
-"""
+from abradem.verification.plain_impact import Choices, plain_impact
+from abradem.verification.scenes import NOMINAL_SPEED
 
-_REWIND = next(error for error in ERRORS if error.name == "spring set to cap minus damping")
-
-CHOICES = {
-    "incremental, capped, clipped": (_REWIND.file, _REWIND.before, _REWIND.after),
-    "displacement, uncapped, attractive, rolling": (
-        "motion.py",
-        "particle.rolling += law.rolling_friction * max(fn, 0.0) * radius",
-        "particle.rolling += law.rolling_friction * law.kn * overlap * math.sqrt(overlap) * radius",
-    ),
-}
-"""By variant: the file of the engine, our choice and theirs."""
+TABLE = Path(__file__).parents[1] / "tests" / "data" / "codes" / "single_impacts.csv"
 
 
-def differences(variant: str, theirs: bool, folder: Path) -> str:
-    """Largest differences of a variant's quantities, of their largest value over the angles."""
-    package = folder / "abradem"
-    shutil.copytree(ROOT / "src" / "abradem", package, ignore=shutil.ignore_patterns("__pycache__"))
-    if theirs:
-        name, before, after = CHOICES[variant]
-        source = package / "dem" / name
-        text = source.read_text(encoding="utf-8")
-        if text.count(before) != 1:
-            raise ValueError(f"{variant}: {name} holds our choice {text.count(before)} times")
-        source.write_text(text.replace(before, after), encoding="utf-8")
-    environment = os.environ | {
-        "PYTHONPATH": str(folder),
-        "ABRADEM_CACHE_DIR": str(folder / "cache"),
-    }
-    table = ROOT / "tests" / "data" / "codes" / "single_impacts.csv"
-    return subprocess.run(
-        [sys.executable, "-c", QUESTION, str(table), variant],
-        env=environment, capture_output=True, text=True, check=True,
-    ).stdout  # fmt: skip
+def worst(part, choices: Choices) -> str:
+    """The quantity with the largest difference, and that difference."""
+    found = []
+    for row in part.to_dict("records"):
+        scene = codes.scene_of(row["variant"], row["restitution"], row["rolling_friction"])
+        found.append(plain_impact(scene, NOMINAL_SPEED, row["angle"], choices)[0])
+    shares = {}
+    for name in codes.QUANTITIES:
+        known = part[name].to_numpy()
+        if np.isfinite(known).all():
+            ours = np.array([one[name] for one in found])
+            shares[name] = np.abs(ours - known).max() / np.abs(known).max()
+    name = max(shares, key=shares.get)
+    return f"{100.0 * shares[name]:6.2f} % ({name})"
 
 
 def main() -> None:
-    """Print the differences of every variant, with our choice and with theirs."""
-    for variant in CHOICES:
-        for theirs in (False, True):
-            with tempfile.TemporaryDirectory() as folder:
-                found = differences(variant, theirs, Path(folder))
-            print(
-                f"{variant}, {'their' if theirs else 'our'} choice:", "; ".join(found.split("\n"))
-            )
+    """Print the differences of every code, law and restitution."""
+    table = codes.read(TABLE)
+    for (code, variant, e), part in table.groupby(["code", "variant", "restitution"], sort=False):
+        peer = codes.peer_of(code).choices
+        chosen = {
+            field.name: getattr(peer, field.name)
+            for field in dataclasses.fields(Choices)
+            if getattr(peer, field.name) != field.default
+        }
+        print(f"{code} ({variant}), e = {e:g}")
+        print(f"  {'ours':42s}{worst(part, Choices())}")
+        for name, value in chosen.items():
+            print(f"  {f'{name} = {value}':42s}{worst(part, Choices(**{name: value}))}")
+        print(f"  {'all of them':42s}{worst(part, peer)}", flush=True)
 
 
 if __name__ == "__main__":

@@ -69,6 +69,9 @@ ERRORS = (
     Error("no entry share", "contact.py", "        return overlap / approach",
           "        return 1.0", IMPACTS,
           "test_default_step_biases_total_as_documented"),
+    Error("the paper's time step as the default", "model.py",
+          "time_step_fraction: float = 0.15", "time_step_fraction: float = 0.2",
+          IMPACTS, "test_default_step_biases_total_as_documented"),
     Error("spring set to cap minus damping", "contact.py",
           "    if stretched2 > cap2:\n        scale = cap / math.sqrt(stretched2)\n"
           "        fx, fy, fz = fx * scale, fy * scale, fz * scale\n        stretched2 = cap2\n",

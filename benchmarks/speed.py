@@ -1,16 +1,33 @@
-"""Cost of the two steppings on jets from dilute to crowded: python benchmarks/speed.py [A M B D].
+"""Cost of a jet by this engine and by others: python benchmarks/speed.py [A M B D].
 
-One line a scenario: seconds by islands, seconds by conventional stepping, their ratio. Both give
-the same bits, which is checked. Whole `simulate` calls after a warm-up, one process.
+Prints `scenario, ours in s, other, its seconds, ratio` for LIGGGHTS and LAMMPS, if they are
+installed (benchmarks/README.md), and for our own conventional stepping, which gives the same bits.
+
+Ours is a whole `simulate` call after a warm-up, with its three wear readings on facets of 10 mm;
+that of a peer its run loop alone, without wear (`peers`). One core each. Ours is timed before and
+after each of the others, and the shortest counts.
+
+    python benchmarks/speed.py --study results/paper
+
+tells what the simulations of a finished study cost.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
+import os
+import platform
 import time
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
 
+import numba
 import numpy as np
+import pandas as pd
+from peers import MARGIN, PEERS, Peer, Pour, installed, pour, timed_run, unlike
 
+import abradem
 from abradem import Case, Setup, simulate
 from abradem.dem.warm import warm
 
@@ -23,6 +40,7 @@ WIDE = {
     "mass_rate": None,
     "number_rate": 500.0,
     "duration": 2.0,
+    "time_step_fraction": 0.2,
 }
 
 
@@ -47,31 +65,196 @@ def stone(radius: float, plate_angle: float) -> Case:
     )
 
 
+class Scenario(NamedTuple):
+    """A jet, what it is like, and how many times faster than the fastest peer we want to be.
+
+    ``skin`` is the reach of the peers' pair lists beyond contact in radii, the fastest of 0.5, 1
+    and 2; ``rounds`` how often each other is timed.
+    """
+
+    case: Case
+    setup: Setup
+    meaning: str
+    target: float
+    skin: float
+    rounds: int = 3
+
+
 SCENARIOS = {
-    "A": (stone(0.01, 45.0), WIDE, "dilute jet, 45 degrees, 500 stones a second"),
-    "M": (stone(0.01, 20.0), WIDE, "the same, 20 degrees"),
-    "B": (stone(0.01, 0.0), WIDE, "the same, level: stones stay on the plate"),
-    "D": (stone(0.005, 0.0), {"duration": 1.0}, "5 mm stones, level, 4 kg/s: a bed, 1 s of it"),
+    "A": Scenario(
+        stone(0.01, 45.0), Setup(**WIDE), "dilute jet, 45 degrees, 500 stones a second", 100.0, 2.0
+    ),
+    "M": Scenario(stone(0.01, 20.0), Setup(**WIDE), "the same, 20 degrees", 40.0, 2.0),
+    "B": Scenario(
+        stone(0.01, 0.0), Setup(**WIDE), "the same, level: stones stay on the plate", 10.0, 1.0
+    ),
+    "D": Scenario(
+        stone(0.005, 0.0),
+        Setup(duration=5.0, time_step_fraction=0.2),
+        "5 mm stones, level, 4 kg/s: a bed",
+        5.0,
+        1.0,
+        rounds=1,
+    ),
 }
 
-
-def timed(case: Case, setup: Setup):
-    """Return the seconds of one `simulate` call and its result."""
-    start = time.perf_counter()
-    result = simulate(case, setup)
-    return time.perf_counter() - start, result
+BUSY = 0.9
+"""Share of a core below which a run was disturbed by others."""
 
 
-def main(names: list[str]) -> None:
-    """Print a line for each scenario."""
+class Clock(NamedTuple):
+    """Seconds on the wall, and of computing, that something took."""
+
+    wall: float
+    cpu: float
+
+
+def timed(case: Case, setup: Setup, releases=None):
+    """Return the time of one `simulate` call and its result."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = simulate(case, setup, releases)
+    return Clock(time.perf_counter() - wall, time.process_time() - cpu), result
+
+
+def repeated(case: Case, setup: Setup, releases=None):
+    """Return the times of as many `simulate` calls as fill a second, and a result."""
+    spent, result = timed(case, setup, releases)
+    times = [spent]
+    while sum(one.wall for one in times) < 1.0:
+        times.append(timed(case, setup, releases)[0])
+    return times, result
+
+
+def machine() -> str:
+    """Processor and versions, in a line."""
+    model = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.is_file():
+        names = [line for line in info.read_text().splitlines() if line.startswith("model name")]
+        model = names[0].split(":", 1)[1].strip() if names else model
+    return (
+        f"{model}, {os.cpu_count()} cores; abradem {abradem.__version__}, "
+        f"Python {platform.python_version()}, numba {numba.__version__}"
+    )
+
+
+SYNCHRONOUS = Peer("synchronous", "", None)
+"""Our own conventional stepping, among the others."""
+
+
+def measure(scenario: Scenario, setup: Setup, poured: Pour, rounds: int, others):
+    """Return the times of ours, and by the name of each other its times and what to remark."""
+    case, ours, theirs, remarks = scenario.case, [], {}, {}
+    for other in [*others] * rounds:
+        times, result = repeated(case, setup)
+        ours += times
+        if other is SYNCHRONOUS:
+            spent, same = timed(case, replace(setup, stepping="synchronous"))
+            if not np.array_equal(result.worn, same.worn):
+                raise SystemExit("the two steppings do not give the same bits")
+            remarks[other.name] = "the same bits"
+        else:
+            run = timed_run(other, case, setup, poured, scenario.skin * case.particle_radius)
+            spent = Clock(run.wall, run.cpu)
+            remarks[other.name] = unlike(poured, run) or (
+                f"stones {run.stones / poured.stones.mean() - 1:+.1%}, "
+                f"kinetic energy {run.energy / poured.energy.mean() - 1:+.1%}"
+            )
+        theirs.setdefault(other.name, []).append(spent)
+    ours += repeated(case, setup)[0]
+    return ours, theirs, remarks
+
+
+def compare(name: str, seconds: float | None, rounds: int | None, clock: str, others) -> list[dict]:
+    """Time a scenario by us and by others, print a line for each, and return the rows."""
+    scenario = SCENARIOS[name]
+    setup = scenario.setup if seconds is None else replace(scenario.setup, duration=seconds)
+    poured = pour(scenario.case, setup)
+    print(
+        f"{name}: {scenario.meaning}; {poured.step.size} stones, {poured.end} steps of "
+        f"{poured.problem.dt:.3g} s, {poured.stones.mean():.0f} stones present on average",
+        flush=True,
+    )
+    ours, theirs, remarks = measure(scenario, setup, poured, rounds or scenario.rounds, others)
+    best = min(getattr(one, clock) for one in ours)
+    rows = []
+    for other, runs in theirs.items():
+        spent = min(getattr(one, clock) for one in runs)
+        print(
+            f"{name} {best:9.3f} s   {other:11s} {spent:9.3f} s {spent / best:8.1f}   "
+            f"{remarks[other]}",
+            flush=True,
+        )
+        rows.append(
+            {"scenario": name, "duration": setup.duration, "ours": best, "other": other,
+             "theirs": spent, "ratio": spent / best, "clock": clock}
+        )  # fmt: skip
+    peers = [row for row in rows if row["other"] != SYNCHRONOUS.name]
+    if peers:
+        fastest = min(peers, key=lambda row: row["theirs"])
+        print(f"{name}   {fastest['ratio']:.0f} times faster than {fastest['other']}; "
+              f"wanted: {scenario.target:g}")  # fmt: skip
+    everything = [ours, *theirs.values()]
+    if clock == "wall" and any(
+        max(one.cpu / one.wall for one in runs) < BUSY for runs in everything
+    ):
+        print(f"{name}   other work disturbed these timings; --clock cpu is less affected")
+    return rows
+
+
+def study_cost(folder: Path) -> None:
+    """Print what the simulations of a finished study cost, from what Snakemake wrote down."""
+    files = sorted((folder / "benchmarks" / "simulate").glob("*.tsv"))
+    runs = sorted((folder / "runs").glob("*.parquet"))
+    if not files or not runs:
+        raise SystemExit(f"{folder} holds no simulations: neither runs/ nor benchmarks/simulate/")
+    spent = pd.concat(pd.read_csv(file, sep="\t") for file in files)
+    cases = pd.concat(pd.read_parquet(file) for file in runs)
+    cpu, wall = spent["cpu_time"].sum(), spent["s"].sum()
+    print(
+        f"S: {len(cases)} cases, {cases['simulated_time'].sum():.0f} simulated seconds, "
+        f"{len(files)} jobs: {wall:.0f} s on the wall one after another, {cpu:.0f} s of "
+        f"computing, which is {cpu / 120.0:.1f} min on two cores; wanted: 3 min"
+    )
+
+
+def main() -> None:
+    """Print the lines of all scenarios, or the cost of a study."""
+    parser = argparse.ArgumentParser(description="time this engine against others")
+    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="of A, M, B, D")
+    parser.add_argument("--seconds", type=float, help="simulate so long, whatever the scenario")
+    parser.add_argument("--rounds", type=int, help="how often to time each other")
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
+    parser.add_argument("--without", nargs="*", default=[], help="of liggghts, lammps, synchronous")
+    parser.add_argument("--table", type=Path, help="CSV file for the numbers")
+    parser.add_argument("--study", type=Path, help="folder of a study: what did it cost")
+    chosen = parser.parse_args()
+    if chosen.study:
+        study_cost(chosen.study)
+        return
+    unknown = [name for name in chosen.scenarios if name not in SCENARIOS]
+    if unknown:
+        parser.error(f"scenario {unknown[0]!r} is unknown; allowed: {', '.join(SCENARIOS)}")
+    others = []
+    for peer in PEERS:
+        if peer.name.lower() in chosen.without:
+            continue
+        if installed(peer):
+            others.append(peer)
+        else:
+            print(f"{peer.name} is not installed: see benchmarks/README.md")
+    if "synchronous" not in chosen.without:
+        others.append(SYNCHRONOUS)
     warm()
-    for name in names or SCENARIOS:
-        case, values, meaning = SCENARIOS[name]
-        fast, one = timed(case, Setup(**values))
-        slow, other = timed(case, Setup(**values, stepping="synchronous"))
-        assert np.array_equal(one.worn, other.worn), "the steppings differ"
-        print(f"{name}  {fast:8.3f} s  {slow:8.3f} s  {slow / fast:6.1f}   {meaning}", flush=True)
+    print(machine())
+    print(f"{chosen.clock} seconds; peers may differ from us by {MARGIN:.0%} in what they simulate")
+    rows = []
+    for name in chosen.scenarios or SCENARIOS:
+        rows += compare(name, chosen.seconds, chosen.rounds, chosen.clock, others)
+    if chosen.table:
+        chosen.table.parent.mkdir(parents=True, exist_ok=True)
+        pd.DataFrame(rows).to_csv(chosen.table, index=False, float_format="%.6g")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

@@ -19,6 +19,7 @@ _LAZY = {
     "Impact": "abradem.dem",
     "simulate": "abradem.dem",
     "single_impact": "abradem.dem",
+    "predict": "abradem.surrogate",
 }
 
 __all__ = ["__version__", *_LAZY]

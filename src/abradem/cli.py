@@ -1,4 +1,4 @@
-"""The command line: repeat one case of a study, check a configuration.
+"""The command line: predict a wear rate, repeat one case of a study, check a configuration.
 
 Whatever is wrong ends as one line for each problem on stderr, and exit code 2.
 """
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import abradem
+from abradem.predict_command import add_parser as add_predict
 
 WRONG_INPUT = 2
 """Exit code where what was given is wrong."""
@@ -39,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _is_of_the_user(error: Exception) -> bool:
     """Tell an explained error, or one of the file system, from a bug."""
-    explained = ("InputError", "ConfigError", "TableError")
+    explained = ("InputError", "ConfigError", "TableError", "PredictionError")
     return isinstance(error, OSError) or type(error).__name__ in explained
 
 
@@ -79,6 +80,8 @@ def _parser() -> argparse.ArgumentParser:
         help="simulated seconds between snapshots; that of the study if not given",
     )
     simulate.set_defaults(run=_simulate)
+
+    add_predict(commands)
 
     config = commands.add_parser(
         "config",

@@ -163,6 +163,8 @@ _LEARNING = {
     "fitted": Column("1", "fitted target, in its standard deviations"),
     "residual": Column("1", "residual, in standard deviations of the target"),
     "leverage": Column("1", "leverage of the row"),
+    "studentised": Column("1", "residual over its own standard error"),
+    "normal_quantile": Column("1", "quantile of the normal distribution at the residual's rank"),
     "printed": Column("1", "coefficient as printed"),
     "refitted": Column("1", "coefficient by the same steps"),
     "verdict": Column("1", "whether print and refit agree", "string"),
@@ -216,6 +218,43 @@ _LEARNING = {
     "remark": Column("1", "what to know about the printed figure", "string"),
 }
 
+_MODELS = {
+    "target": Column("1", "column of the data set that is explained", "string"),
+    "raised": Column("1", "targets that were not positive and were raised", "int32"),
+    "r2_log": Column("1", "R2 of the logarithm"),
+    "term": Column("1", "term of the power law", "string"),
+    "kind": Column("1", "whether the term is a quantity or a dimensionless group", "string"),
+    "tex": Column("1", "symbol in TeX", "string"),
+    "words": Column("1", "what it is, in words", "string"),
+    "exponent": Column("1", "exponent, or coefficient in the exponential"),
+    "method": Column("1", "how the interval is made", "string"),
+    "level": Column("1", "nominal level of the interval"),
+    "coverage": Column("1", "share of held-out rows inside the interval"),
+    "band_lower": Column("1", "lower end of the binomial band of the coverage"),
+    "band_upper": Column("1", "upper end of the binomial band of the coverage"),
+    "width": Column("1", "median of upper end over prediction, less 1"),
+    "tested": Column("1", "rows held out", "int64"),
+    "trained": Column("1", "rows trained on", "int64"),
+    "test": Column("1", "test of extrapolation", "string"),
+    "mape": Column("1", "mean absolute relative error"),
+    "within_r2": Column("1", "R2 on the same rows of models that saw such rows"),
+    "within_mape": Column("1", "mean absolute relative error of models that saw such rows"),
+    "first": Column("1", "first-order Sobol index"),
+    "first_lower": Column("1", "lower end of the interval of the first-order index"),
+    "first_upper": Column("1", "upper end of the interval of the first-order index"),
+    "total": Column("1", "total Sobol index"),
+    "total_lower": Column("1", "lower end of the interval of the total index"),
+    "total_upper": Column("1", "upper end of the interval of the total index"),
+    "fall": Column("1", "fall of R2 when the quantity is shuffled among held-out rows"),
+    "fall_lower": Column("1", "least fall of the splits"),
+    "fall_upper": Column("1", "largest fall of the splits"),
+    "setting": Column("1", "value the quantity is set to, in its own unit"),
+    "replicate": Column("1", "number of the repetition with another seed", "int32"),
+    "replicates": Column("1", "simulations of the same case", "int32"),
+    "relative_spread": Column("1", "standard deviation over seeds by the mean"),
+    "relative_stderr": Column("1", "standard error that the simulations state, by the mean"),
+}
+
 COLUMNS: dict[str, Column] = {
     **_KEYS,
     **{q.name: Column(q.unit, q.long_name) for q in QUANTITIES},
@@ -225,6 +264,7 @@ COLUMNS: dict[str, Column] = {
     **_RUNS,
     **_WEAR_RATES,
     **_LEARNING,
+    **_MODELS,
 }
 """Every column of every table."""
 

@@ -24,10 +24,14 @@ sqrt(R d)), in N/m; neither enters the simulation, which damps with the momentar
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import pandas as pd
 
 from abradem.parameters import FEATURE_NAMES, SAMPLED_NAMES
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 DAMPING_COEFFICIENTS = ("table", "printed")
 

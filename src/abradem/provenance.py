@@ -52,6 +52,13 @@ _LAWS = (
     "abradem.verification.laws",
 )  # fmt: skip
 
+_SIMULATED = (*_RATES, "abradem.parameters", "abradem.sampling", "abradem.shards")
+_PHYSICAL = (
+    *_LEARNING, "abradem.features", "abradem.learning.ensembles",
+    "abradem.learning.gaussian_process", "abradem.learning.groups", "abradem.learning.network",
+    "abradem.learning.physical", "abradem.learning.power_law",
+)  # fmt: skip
+
 STEPS: dict[str, tuple[str, ...]] = {
     "sample": ("abradem.sampling", "abradem.parameters", "abradem.shards", "abradem.dem"),
     "join_cases": (),
@@ -60,7 +67,9 @@ STEPS: dict[str, tuple[str, ...]] = {
     "wear_rates": (*_RATES, "abradem.shards"),
     "failures": _JOIN,
     "dataset": _JOIN,
-    "external": ("abradem.external", "abradem.features", "abradem.parameters"),
+    "external": (
+        "abradem.external", "abradem.features", "abradem.parameters", "abradem.units",
+    ),
     "linear": (*_LEARNING, "abradem.learning.linear", "abradem.learning.paper"),
     "penalised": (*_LEARNING, "abradem.learning.penalised"),
     "pca": (*_LEARNING, "abradem.learning.principal"),
@@ -79,6 +88,26 @@ STEPS: dict[str, tuple[str, ...]] = {
         "abradem.learning.protocols", "abradem.learning.scores", "abradem.learning.table",
         "abradem.parameters",
     ),
+    "physical": _PHYSICAL,
+    "intervals": (*_PHYSICAL, "abradem.learning.intervals", "abradem.surrogate"),
+    "surrogate": (*_PHYSICAL, "abradem.learning.distil", "abradem.surrogate"),
+    "sensitivity": (*_PHYSICAL, "abradem.learning.sensitivity"),
+    "reach": (
+        *_PHYSICAL, "abradem.learning.intervals", "abradem.learning.reach", "abradem.surrogate",
+    ),
+    "replicates": (*_SIMULATED, "abradem.learning.noise_floor"),
+    "noise_floor": (
+        *_SIMULATED, "abradem.learning.modelfile", "abradem.learning.noise_floor",
+        "abradem.learning.table",
+    ),
+    "speed_up": (
+        "abradem.dem", "abradem.features", "abradem.learning.groups", "abradem.parameters",
+        "abradem.shards", "abradem.speed_up", "abradem.surrogate",
+    ),
+    "findings": (*_PHYSICAL, "abradem.learning.findings"),
+    "figure_models": (*_OF_MODELS, "abradem.figures.models"),
+    "figure_sensitivity": (*_OF_MODELS, "abradem.figures.models"),
+    "figure_reach": (*_OF_MODELS, "abradem.figures.models"),
     "figure_series": (*_FIGURE, *_RATES, "abradem.figures.series", "abradem.shards"),
     "figure_quality": (*_FIGURE, *_RATES, "abradem.figures.series"),
     "figure_coefficients": (*_FIGURE, "abradem.figures.linear"),
@@ -91,6 +120,38 @@ STEPS: dict[str, tuple[str, ...]] = {
     "figure_ga_ann": (*_OF_MODELS, "abradem.figures.networks"),
     "figure_comparison": (*_OF_MODELS, "abradem.figures.comparison"),
     "figure_maps": (*_FIGURE, *_RATES, "abradem.figures.maps", "abradem.shards"),
+    "scene": (*_RATES, "abradem.export", "abradem.scenes", "abradem.shards"),
+    "angles": (*_RATES, "abradem.export", "abradem.scenes", "abradem.shards"),
+    "figure_setup": (
+        *_FIGURE, *_RATES, "abradem.export", "abradem.figures.render", "abradem.figures.setup",
+        "abradem.scenes", "abradem.shards",
+    ),
+    "figure_angles": (*_FIGURE, "abradem.figures.angles"),
+    "figure_gallery": (
+        *_FIGURE, *_RATES, "abradem.figures.gallery", "abradem.gallery", "abradem.shards",
+    ),
+    "rule_graph": ("abradem.rulegraph",),
+    "figure_flow": (
+        *_FIGURE, "abradem.dem", "abradem.figures.flow", "abradem.rulegraph", "abradem.shards",
+    ),
+    "figure_architecture": (*_OF_MODELS, "abradem.figures.architecture"),
+    "figure_distributions": (
+        *_OF_MODELS, "abradem.figures.distributions", "abradem.learning.distributions",
+    ),
+    "figure_verification": (
+        *_FIGURE, "abradem.figures.verdicts", "abradem.verification.margins",
+        "abradem.verification.page", "abradem.verification.table",
+    ),
+    "figure_speed": (*_FIGURE, "abradem.figures.engine"),
+    "latex": (
+        *_OF_MODELS, "abradem.latex", "abradem.verification.page", "abradem.verification.table",
+    ),
+    "paper": ("abradem.typeset",),
+    "movie": (
+        *_FIGURE, *_RATES, "abradem.export", "abradem.figures.film", "abradem.figures.render",
+        "abradem.figures.setup", "abradem.movie", "abradem.scenes", "abradem.shards",
+    ),
+    "vtk": (*_RATES, "abradem.export", "abradem.scenes", "abradem.shards", "abradem.vtk"),
     "table": (),
     "summary": (*_RATES, "abradem.summary"),
     "provenance": (),
@@ -98,7 +159,7 @@ STEPS: dict[str, tuple[str, ...]] = {
     "verification_chung_ooi": (*_LAWS, "abradem.verification.chung_ooi"),
     "verification_codes": (
         *_CHECKS, "abradem.verification.closed_forms", "abradem.verification.codes",
-        "abradem.verification.experiments",
+        "abradem.verification.experiments", "abradem.verification.plain_impact",
     ),
     "verification_time_step": (
         *_LAWS, "abradem.verification.jets", "abradem.verification.time_step",
@@ -115,7 +176,8 @@ STEPS: dict[str, tuple[str, ...]] = {
         *_CHECKS, "abradem.verification.conveyor", "abradem.verification.jets",
     ),
     "verification_trends": (
-        *_CHECKS, "abradem.verification.jets", "abradem.verification.trends",
+        *_LAWS, "abradem.verification.jets", "abradem.verification.time_step",
+        "abradem.verification.trends",
     ),
     "verification_facets_and_bed": (
         *_CHECKS, "abradem.verification.facets_and_bed", "abradem.verification.jets",

@@ -113,3 +113,34 @@ def test_every_model_is_compared(figures):
 def test_the_search_shows_every_network(figures):
     for panel in figures["ga_ann"].axes[:2]:
         assert len(panel.collections[0].get_offsets()) == 12
+
+
+def test_legends_of_the_penalised_models_cover_no_bar(figures):
+    figure = figures["penalised"]
+    assert len(figure.legends) == 1
+    assert all(panel.get_legend() is None for panel in figure.axes)
+
+
+def test_residuals_are_drawn_as_they_were_computed():
+    learned = fit_linear(product_law(90), repeats=1)
+    panel = residuals_figure(learned.residuals, learned.coefficients, learned.summary).axes[1]
+    shown = panel.collections[0].get_offsets()
+    np.testing.assert_allclose(shown, learned.residuals[["normal_quantile", "studentised"]])
+
+
+def test_a_score_below_the_axis_is_an_arrowhead_and_no_mark():
+    comparison = pd.DataFrame(
+        [
+            ("linear", "honest", "repeated splits", 20, -2.0, -9.0, -0.2),
+            ("linear", "honest", "fixed split", 1, 0.5, -3.0, 0.7),
+            ("pca_wrong_target", "as_published", "fixed split", 1, -4.0, np.nan, np.nan),
+        ],
+        columns=["model", "protocol", "basis", "repeats", "r2", "r2_lower", "r2_upper"],
+    )
+    panel = comparison_figure(comparison, beside_paper(comparison), "t").axes[0]
+    marks = [
+        (line.get_marker(), float(line.get_xdata()[0]))
+        for line in panel.lines
+        if line.get_marker() in ("<", "o", "s", "^")
+    ]
+    assert sorted(marks) == [("<", -1.0)] * 3 + [("^", 0.5)]

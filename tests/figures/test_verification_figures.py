@@ -22,15 +22,16 @@ def test_restitution_shows_the_three_normal_laws():
 
 
 def test_codes_shows_every_code_of_the_tables():
-    reference = pd.read_csv(DATA / "single_impacts.csv")
+    reference = codes.read(DATA / "single_impacts.csv")
+    reference = reference[reference["angle"] == 30.0]
     figure = FIGURES["codes"](codes.compare(reference))
     assert {text.split(":")[0] for text in labels(figure)} == set(reference["code"])
 
 
 def test_forces_draws_one_panel_for_each_impact():
-    reference = pd.read_csv(DATA / "forces.csv")
+    reference = codes.read(DATA / "forces.csv")
     figure = FIGURES["codes_forces"](codes.compare_forces(reference))
-    assert len(figure.axes) == len(reference.groupby(["variant", "angle"]))
+    assert len(figure.axes) == len(reference.groupby(["code", "variant", "angle"]))
 
 
 @pytest.mark.parametrize("number", [4, 5])
@@ -38,7 +39,7 @@ def test_chung_ooi_has_the_exact_branch(number):
     tests = chung_ooi.oblique_test() if number == 4 else chung_ooi.plane_tests()
     figure = FIGURES[f"chung_ooi_{number}"](tests, chung_ooi.measured())
     assert "exact" in labels(figure)
-    assert ("experiment" in labels(figure)) == (number == 4)
+    assert ("experiment" if number == 4 else "finite elements") in labels(figure)
 
 
 def test_coverage_counts_the_intervals_that_miss():

@@ -7,12 +7,15 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from abradem.config import Simulation
 from abradem.dataset import read_table, read_units
-from abradem.verification import codes, laws
+from abradem.parameters import READINGS
+from abradem.verification import codes, laws, time_step
 from abradem.verification.page import BEGIN, END, into_document, number, results_page, summarise
 from abradem.verification.table import FAILS, HOLDS, Check, checks_table, write
 
 ROOT = Path(__file__).parents[2]
+CODES = ROOT / "tests" / "data" / "codes"
 
 
 @pytest.fixture(scope="module")
@@ -24,19 +27,77 @@ def test_every_closed_form_holds(checks):
     assert [check.law for check in checks if not check.holds] == []
 
 
-def test_other_codes_agree_under_the_same_options_or_for_a_named_reason():
-    folder = ROOT / "tests" / "data" / "codes"
-    comparison = codes.compare(pd.read_csv(folder / "single_impacts.csv"))
+@pytest.fixture(scope="module")
+def comparison():
+    reference = codes.read(CODES / "single_impacts.csv")
+    return codes.compare(reference[reference["angle"].isin([30.0, 60.0])])
+
+
+def test_other_codes_agree_under_the_same_options_or_for_a_named_reason(comparison):
     found = codes.checks(comparison)
-    assert {name.split()[0] for name in comparison["code"]} == {"LIGGGHTS", "YADE", "LAMMPS"}
+    assert {name.split()[0] for name in comparison["code"]} == set(codes.PEERS)
     assert [check.law for check in found if not check.holds] == []
-    assert all(check.note for check in found if check.ours > codes.ALLOWED)
+    assert all(check.note for check in found if "under its choices" in check.law)
+
+
+def test_the_choices_of_another_code_matter(comparison):
+    part = comparison[comparison["code"].str.startswith("LAMMPS")]
+    part = part[(part["restitution"] < 1.0) & (part["quantity"] == "total")]
+    assert codes.largest(part, "ours") > 10.0 * codes.largest(part, "theirs")
+
+
+def test_wear_is_what_another_code_counts_itself(comparison):
+    part = comparison[comparison["quantity"] == "wear"]
+    assert set(part["code"].str.split().str[0]) == {"Kratos"}
+    assert codes.largest(part, "theirs") < codes.UNEXPLAINED
+
+
+def test_a_jet_gives_the_plate_the_impulse_of_another_code():
+    reference = codes.read(CODES / "jets.csv")
+    assert set(reference["code"].str.split().str[0]) == set(codes.PEERS)
+    kratos = reference[reference["code"].str.startswith("Kratos")].iloc[0]
+    normal, _ = codes.our_jet(kratos["code"], kratos["variant"])
+    assert normal == pytest.approx(kratos["normal_impulse"], rel=codes.ALLOWED)
+
+
+def test_the_verified_step_is_the_default_one():
+    assert time_step.CHOSEN == Simulation().time_step_rayleigh_fraction
+    mean = pd.DataFrame(
+        [
+            {"speed": 3.9, "restitution": 0.5, "reading": reading, "fraction": fraction,
+             "bias": stated}
+            for (reading, fraction), stated in time_step.STATED.items()
+        ]
+    )  # fmt: skip
+    jet = pd.DataFrame(
+        [
+            {"plate_angle": time_step.WORST_PLATE, "reading": reading, "fraction": fraction,
+             "bias": stated, "bias_stderr": 0.0}
+            for (reading, fraction), stated in time_step.STATED_JET.items()
+        ]
+    )  # fmt: skip
+    assert [check.law for check in time_step.checks(mean, jet) if not check.holds] == []
+    # The paper's step as the default would be found out.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(time_step, "CHOSEN", time_step.PAPERS)
+        failing = [check.law for check in time_step.checks(mean, jet) if not check.holds]
+    assert len(failing) == 2 and all("default step, 0.2" in law for law in failing)
+
+
+def test_documented_biases_are_those_of_the_study():
+    method = (ROOT / "docs" / "method.md").read_text()
+    for fraction, words in ((0.15, "15 %, the default"), (0.2, "20 %, the paper's")):
+        line = next(line for line in method.splitlines() if line.startswith(f"| {words}"))
+        numbers = [float(cell.strip(" <%+")) / 100.0 for cell in line.split("|")[2:8]]
+        for reading, single, jet in zip(READINGS, numbers[:3], numbers[3:], strict=True):
+            stated = time_step.STATED[reading, fraction]
+            assert abs(single) == pytest.approx(stated, abs=1e-9) or (stated == 0.0 < single)
+            assert jet == pytest.approx(time_step.STATED_JET[reading, fraction], abs=1e-9)
 
 
 def test_tangential_force_against_time_is_that_of_another_code():
-    reference = pd.read_csv(ROOT / "tests" / "data" / "codes" / "forces.csv")
-    found = codes.force_checks(codes.compare_forces(reference))
-    assert found
+    found = codes.force_checks(codes.compare_forces(codes.read(CODES / "forces.csv")))
+    assert {check.law.split()[0] for check in found} == set(codes.PEERS)
     assert [check.law for check in found if not check.holds] == []
 
 

@@ -18,8 +18,11 @@ from pathlib import Path
 import pytest
 import yaml
 from tables import product_law
+from test_latex import assert_agree, at_source, is_number, macros, rows
 
+from abradem import latex
 from abradem.dataset import read_table
+from abradem.figures.listing import GROUP_OF
 from abradem.parameters import SAMPLED_NAMES
 
 ROOT = Path(__file__).parents[2]
@@ -28,23 +31,42 @@ BLOCKS, SHARDS_PER_BLOCK = 2, 2
 SHARDS = BLOCKS * SHARDS_PER_BLOCK
 
 OF_LINEAR = {"figure_coefficients": 1, "figure_residuals": 1, "figure_predicted": 1}
+OF_PHYSICAL = {"figure_models": 1, "figure_sensitivity": 1, "figure_reach": 1}
 OF_LEARNING = {
-    **OF_LINEAR, "figure_penalised": 1, "figure_selection": 1, "figure_pca": 1, "figure_trees": 1,
-    "figure_ga_ann": 1, "figure_comparison": 1,
+    **OF_LINEAR, **OF_PHYSICAL, "figure_penalised": 1, "figure_selection": 1, "figure_pca": 1,
+    "figure_trees": 1, "figure_ga_ann": 1, "figure_comparison": 1, "figure_architecture": 1,
+    "figure_distributions": 1,
 }  # fmt: skip
-FIGURES = {"figure_series": 1, "figure_maps": 1, "figure_quality": 1, **OF_LEARNING}
+OF_SIMULATIONS = {"figure_series": 1, "figure_maps": 1, "figure_gallery": 1}
+SCENES = {"scene": 1, "angles": 1, "figure_setup": 1, "figure_angles": 1}
+FIGURES = {
+    **OF_SIMULATIONS, "figure_quality": 1, "figure_setup": 1, "figure_angles": 1, "figure_flow": 1,
+    **OF_LEARNING,
+}  # fmt: skip
 # The tables of scores, comparison and beside_paper follow every model.
-AFTER_SCORES = {"scores": 1, "figure_comparison": 1, "summary": 1, "table": 3}
+AFTER_SCORES = {
+    "scores": 1, "figure_comparison": 1, "figure_models": 1, "figure_distributions": 1,
+    "summary": 1, "latex": 1, "table": 3,
+}  # fmt: skip
+PHYSICAL = {
+    "physical": 1, "intervals": 1, "surrogate": 1, "sensitivity": 1, "reach": 1, "findings": 1,
+}  # fmt: skip
 LEARNING = {
     "linear": 1, "penalised": 1, "pca": 1, "selection": 1, "trees": 1, "ga_ann": 2, **OF_LEARNING,
-    "scores": 1, "summary": 1, "table": 7,
+    **PHYSICAL, "scores": 1, "summary": 1, "latex": 1, "table": 12,
 }  # fmt: skip
-AFTER_DATASET = {**LEARNING, "figure_quality": 1, "table": 8, "all": 1}
+AFTER_DATASET = {
+    **LEARNING, "figure_quality": 1, "noise_floor": 1, "speed_up": 1, "table": 13, "all": 1,
+}  # fmt: skip
 AFTER_WEAR_RATES = {"failures": 1, "dataset": 1, **AFTER_DATASET}
-AFTER_SIMULATION = {"wear_rates": SHARDS, **AFTER_WEAR_RATES, **FIGURES}
-EVERYTHING = {
-    "sample": BLOCKS, "join_cases": 1, "simulate": SHARDS, "provenance": 1, **AFTER_SIMULATION,
+AFTER_SIMULATION = {"wear_rates": SHARDS, **AFTER_WEAR_RATES, **OF_SIMULATIONS}
+# What ranges and code of the simulations reach; the graph of rules is of the workflow alone.
+ALL_OF_RANGES = {
+    "sample": BLOCKS, "join_cases": 1, "simulate": SHARDS, "provenance": 1, "replicates": 4,
+    **AFTER_SIMULATION, **SCENES,
 }  # fmt: skip
+ALL_OF_SIMULATION = {**ALL_OF_RANGES, "figure_flow": 1}
+EVERYTHING = {**ALL_OF_SIMULATION, "rule_graph": 1}
 
 
 class Project:
@@ -197,6 +219,42 @@ def test_the_report_holds_all_and_needs_no_network(project):
     assert project.pending() == {}
 
 
+def test_every_figure_of_the_list_is_there_in_every_format(project):
+    # A study shows these two where their results are there.
+    names = set(GROUP_OF) - {"verification", "speed"}
+    for suffix in ("png", "pdf"):
+        found = {path.stem for path in (project.results / "figures").glob(f"*.{suffix}")}
+        assert found == names
+
+
+def test_no_number_for_latex_differs_from_its_source(project):
+    folder = project.results / "latex"
+    files = {
+        file: latex.read_result(project.results / file)
+        for file in (
+            latex.DATASET, latex.SUMMARY, latex.COMPARISON, latex.BESIDE, latex.SCORES,
+            latex.SELECTION, *latex.NETWORKS.values(),
+        )
+    }  # fmt: skip
+    config = yaml.safe_load((project.results / "config.yaml").read_text())
+    found = latex.Results({**files, latex.CONFIG: config})
+    defined = macros((folder / "numbers.tex").read_text())
+    assert len(defined) > 80
+    for _, text, source in defined:
+        assert_agree(text, at_source(found, source))
+    for name in ("quantities", "features", "models"):
+        for cells, sources in rows((folder / f"{name}.tex").read_text()):
+            numbers = [cell for cell in cells if is_number(cell)]
+            for cell, source in zip(numbers, sources, strict=True):
+                assert_agree(cell, at_source(found, source))
+
+
+def test_files_for_paraview_are_made_on_demand(project):
+    assert project.run("vtk") == {"vtk_of_scene": 1, "vtk": 1}
+    folder = project.results / "vtk" / "typical"
+    assert (folder / "particles.pvd").exists() and (folder / "plate_00000.vtp").exists()
+
+
 # What an edit of the code reruns
 
 
@@ -204,7 +262,7 @@ def test_an_edited_wear_rate_reruns_wear_rates_and_what_follows(project):
     with project.edited("src/abradem/wear_rate.py", "MM_PER_M = 1e3", "MM_PER_M = 1.0e3"):
         jobs = project.pending()
     assert jobs.pop("provenance") == 1
-    assert jobs == AFTER_SIMULATION
+    assert jobs == {**AFTER_SIMULATION, **SCENES, "replicates": 4}
     assert project.pending() == {}
 
 
@@ -213,15 +271,20 @@ def test_an_edited_wear_rate_reruns_wear_rates_and_what_follows(project):
     [
         ("src/abradem/figures/maps.py", {"figure_maps": 1}),
         ("src/abradem/figures/linear.py", {"figure_coefficients": 1, "figure_predicted": 1}),
-        ("src/abradem/figures/style.py", FIGURES),
+        ("src/abradem/figures/setup.py", {"figure_setup": 1}),
+        ("src/abradem/figures/flow.py", {"figure_flow": 1}),
+        ("src/abradem/figures/style.py", {**FIGURES, "latex": 1}),
+        ("src/abradem/latex.py", {"latex": 1}),
         ("src/abradem/learning/linear.py", {**AFTER_SCORES, "linear": 1, **OF_LINEAR, "table": 5}),
         ("src/abradem/learning/trees.py", {**AFTER_SCORES, "trees": 1, "figure_trees": 1}),
-        ("src/abradem/learning/genetic.py", {**AFTER_SCORES, "ga_ann": 2, "figure_ga_ann": 1}),
+        ("src/abradem/learning/genetic.py", {
+            **AFTER_SCORES, "ga_ann": 2, "figure_ga_ann": 1, "figure_architecture": 1,
+        }),
         ("src/abradem/learning/comparison.py", AFTER_SCORES),
         ("src/abradem/features.py", AFTER_WEAR_RATES),
-        ("src/abradem/shards.py", EVERYTHING),
-        ("src/abradem/dem/synchronous.py", EVERYTHING),
-        ("workflow/scripts/table.py", {"table": 8}),
+        ("src/abradem/shards.py", ALL_OF_SIMULATION),
+        ("src/abradem/dem/synchronous.py", ALL_OF_SIMULATION),
+        ("workflow/scripts/table.py", {"table": 13}),
         ("src/abradem/config.py", {}),
         ("src/abradem/progress.py", {}),
     ],
@@ -237,6 +300,11 @@ def test_an_edited_module_reruns_its_steps_and_what_follows(project, file, jobs)
     # Hashes of the code are recorded, so their file is renewed with any edit that matters.
     expected = {**jobs, "provenance": 1, "all": 1} if jobs else {}
     assert pending == expected
+
+
+def test_an_edited_rule_redraws_the_graph_of_rules(project):
+    with project.edited("workflow/rules/vtk.smk", "# On demand: snakemake vtk.", "# On demand."):
+        assert project.pending() == {"rule_graph": 1, "figure_flow": 1, "all": 1}
 
 
 def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
@@ -264,27 +332,30 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
 @pytest.mark.parametrize(
     ("values", "jobs"),
     [
-        ({"sampling": {"ranges": {"restitution": [0.3, 0.8]}}}, EVERYTHING),
-        ({"seed": 2}, EVERYTHING),
-        ({"simulation": {"stop": {"max_time_s": 4.0}}}, EVERYTHING),
+        ({"sampling": {"ranges": {"restitution": [0.3, 0.8]}}}, ALL_OF_RANGES),
+        ({"seed": 2}, ALL_OF_SIMULATION),
+        ({"simulation": {"stop": {"max_time_s": 4.0}}}, ALL_OF_SIMULATION),
         ({"wear_rate": {"footprint_share": 0.9}}, {
-            k: v for k, v in AFTER_SIMULATION.items() if k not in ("figure_series", "figure_maps")
+            k: v for k, v in AFTER_SIMULATION.items() if k not in OF_SIMULATIONS
         }),
-        ({"wear_rate": {"good_r2": 0.9}}, {"figure_quality": 1, "summary": 1}),
+        ({"wear_rate": {"good_r2": 0.9}}, {"figure_quality": 1, "summary": 1, "latex": 1}),
         ({"features": {"damping_coefficient": "printed"}}, {
-            "dataset": 1, **AFTER_DATASET, "table": 7,
+            "dataset": 1, **AFTER_DATASET, "table": 12,
         }),
         ({"learning": {"trees": {"forest_trees": 9}}}, {
             **AFTER_SCORES, "trees": 1, "figure_trees": 1,
         }),
         ({"learning": {"ga_ann": {"mutation": 0.3}}}, {
-            **AFTER_SCORES, "ga_ann": 2, "figure_ga_ann": 1,
+            **AFTER_SCORES, "ga_ann": 2, "figure_ga_ann": 1, "figure_architecture": 1,
         }),
         ({"learning": {"bootstrap": 300}}, AFTER_SCORES),
         ({"learning": {"penalised": {"path_points": 9}}}, {
             **AFTER_SCORES, "penalised": 1, "figure_penalised": 1, "table": 4,
         }),
         ({"figures": {"series_cases": [1, 2]}}, {"figure_series": 1, "figure_maps": 1}),
+        ({"figures": {"typical": {"plate_angle": 20}}}, SCENES),
+        ({"figures": {"angles": {"plate": [10]}}}, {"angles": 1, "figure_angles": 1}),
+        ({"figures": {"movie": {"duration_s": 1}}}, {}),
         ({"simulation": {"export": {"cases": [1]}}}, {"export": 1}),
     ],
 )  # fmt: skip
@@ -323,7 +394,9 @@ def test_an_external_table_is_learned_from_and_nothing_is_simulated(project):
     table.rename(columns={"plate_angle": "slope"}).to_csv(project.root / "t.csv", index=False)
     overlays = external_overlay(project, external="t.csv", columns={"plate_angle": "slope"})
     pending = project.pending(overlays=overlays)
-    assert pending == {"dataset": 1, "provenance": 1, "all": 1, **LEARNING}
+    assert pending == {
+        "dataset": 1, "provenance": 1, "all": 1, "rule_graph": 1, "figure_flow": 1, **LEARNING,
+    }  # fmt: skip
     assert project.run("dataset", overlays=overlays) == {"dataset": 1}
     found = read_table(project.root / "results" / "elsewhere" / "dataset.parquet")
     assert len(found) == 24 and "plate_angle" in found
@@ -354,7 +427,7 @@ def test_a_bad_external_table_is_one_line_for_each_problem(project):
 def test_more_blocks_run_only_their_own_cases(project):
     assert project.pending(overlays=("studies/smoke_grown.yaml",)) == {
         "sample": 2, "simulate": 4, "wear_rates": 4, "join_cases": 1, "provenance": 1,
-        **AFTER_WEAR_RATES,
+        "replicates": 4, "figure_gallery": 1, "figure_flow": 1, **AFTER_WEAR_RATES,
     }  # fmt: skip
 
 
@@ -362,7 +435,8 @@ def test_fewer_blocks_run_only_the_joins(project):
     overlays = project.overlay({"sampling": {"blocks": 1}, "figures": {"series_cases": [0, 1]}})
     pending = project.pending(overlays=overlays)
     assert pending == {
-        "join_cases": 1, "provenance": 1, "figure_series": 1, "figure_maps": 1, **AFTER_WEAR_RATES,
+        "join_cases": 1, "provenance": 1, "replicates": 4, **OF_SIMULATIONS, "figure_flow": 1,
+        **AFTER_WEAR_RATES,
     }  # fmt: skip
 
 

@@ -1,10 +1,21 @@
 import json
+import os
+import re
 import sys
 from pathlib import Path
 
-from abradem.config import ConfigError, load_config, sampled_ranges, setup_dict, to_yaml
+from abradem.config import (
+    ConfigError,
+    load_config,
+    sampled_ranges,
+    setup_dict,
+    to_yaml,
+    typical_case,
+)
+from abradem.figures.listing import GROUP_OF
 from abradem.progress import Monitor, Shard
-from abradem.provenance import STEPS, step_hash, versions
+from abradem.provenance import STEPS, code_hash, step_hash, versions
+from abradem.runtimes import run_times
 from abradem.shards import shards_of_block
 
 try:
@@ -64,12 +75,23 @@ def shards_with(cases, pattern):
 FORMATS = CONFIG.figures.formats
 
 
+VERIFICATION_CHECKS = Path("results/verification/checks.parquet")
+VERIFICATION_MADE = VERIFICATION_CHECKS.is_file()
+# As benchmarks/cost.py writes them.
+SPEED_TABLES = [
+    Path("results/benchmarks/counts.csv"),
+    Path("results/benchmarks/times.csv"),
+]
+SPEED_MADE = all(path.is_file() for path in SPEED_TABLES)
+
+
 def figure_file(name, label, suffix):
     """The file of a figure in one format, as the report shows it."""
     return report(
         f"{RESULTS}/figures/{name}.{suffix}",
         caption=f"../report/{name}.rst",
         category="Figures",
+        subcategory=GROUP_OF[name],
         labels={"figure": label, "format": suffix},
     )
 
@@ -77,6 +99,16 @@ def figure_file(name, label, suffix):
 def figure_files(name, label):
     """The files of a figure, one for each format."""
     return [figure_file(name, label, suffix) for suffix in FORMATS]
+
+
+def latex_file(name):
+    """A file to be included in a LaTeX text, as the report offers it."""
+    return report(
+        f"{RESULTS}/latex/{name}.tex",
+        caption="../report/latex.rst",
+        category="LaTeX",
+        labels={"file": name},
+    )
 
 
 def part_files(part, suffix):
@@ -103,7 +135,11 @@ MONITOR = Monitor(CONFIG.cases, Path(RESULTS, ".finished"))
 
 # What the report's overview says; it is there once the results are.
 SUMMARY = Path(RESULTS, "summary.json")
+VERSIONS = Path(RESULTS, "versions.json")
 config["summary"] = json.loads(SUMMARY.read_text()) if SUMMARY.is_file() else {}
+config["recorded"] = json.loads(VERSIONS.read_text()) if VERSIONS.is_file() else {}
+config["run_times"] = run_times(Path(RESULTS, "benchmarks"))
+config["resolved"] = CONFIG.model_dump(mode="json")
 
 
 wildcard_constraints:

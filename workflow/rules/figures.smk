@@ -1,4 +1,14 @@
-OF_SIMULATIONS = ["series", "quality", "maps"] if SIMULATED else []
+OF_SIMULATIONS = (
+    ["setup", "angles", "series", "quality", "maps", "gallery"] if SIMULATED else []
+)
+OF_PAPER = [
+    "generation",
+    "rules",
+    "architecture",
+    "distributions",
+    *(["verification"] if VERIFICATION_MADE else []),
+    *(["speed"] if SPEED_MADE else []),
+]
 OF_LEARNING = [
     "coefficients",
     "residuals",
@@ -13,6 +23,9 @@ OF_LEARNING = [
     "ga_ann",
     "comparison",
     "predictions",
+    "models",
+    "sensitivity",
+    "reach",
 ]
 
 
@@ -24,7 +37,7 @@ rule figures:
     input:
         expand(
             f"{RESULTS}/figures/{{name}}.{{format}}",
-            name=OF_SIMULATIONS + OF_LEARNING,
+            name=OF_SIMULATIONS + OF_LEARNING + OF_PAPER,
             format=FORMATS,
         ),
 

@@ -61,3 +61,65 @@ rule figure_quality:
         code=CODE["figure_quality"],
     script:
         "../scripts/figure_quality.py"
+
+
+rule figure_setup:
+    input:
+        particles=f"{RESULTS}/scenes/typical/particles.parquet",
+        wear=f"{RESULTS}/scenes/typical/wear.parquet",
+    output:
+        figure_files("setup", "simulation set-up"),
+    log:
+        f"{LOGS}/figure_setup.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        case=TYPICAL,
+        setup=SETUP,
+        formats=FORMATS,
+        code=CODE["figure_setup"],
+    script:
+        "../scripts/figure_setup.py"
+
+
+rule figure_angles:
+    input:
+        curves=rules.angles.output.curves,
+        rates=rules.angles.output.rates,
+    output:
+        figure_files("angles", "wear depth by angle"),
+    log:
+        f"{LOGS}/figure_angles.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={"case": TYPICAL, "duration": CONFIG.figures.angles.duration_s},
+        formats=FORMATS,
+        code=CODE["figure_angles"],
+    script:
+        "../scripts/figure_angles.py"
+
+
+rule figure_gallery:
+    input:
+        cases=rules.join_cases.output[0],
+        maps=shard_paths(rules.simulate.output.maps),
+        runs=shard_paths(rules.simulate.output.runs),
+    output:
+        figure_files("gallery", "wear over the parameter space"),
+    log:
+        f"{LOGS}/figure_gallery.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        grid={
+            "across": "plate_angle",
+            "down": "particle_velocity_y",
+            "columns": 6,
+            "rows": 5,
+        },
+        setup=SETUP,
+        formats=FORMATS,
+        code=CODE["figure_gallery"],
+    script:
+        "../scripts/figure_gallery.py"

@@ -8,7 +8,15 @@ SPLITS = {
 }
 LEARNED_FROM = {"target": LEARNING.target, "name": CONFIG.study}
 # Stages that score models; each reruns alone, and the join follows.
-SCORED = ["linear", "penalised", "pca", "trees", *(f"ga_ann_{p}" for p in PROTOCOLS)]
+SCORED = [
+    "linear",
+    "penalised",
+    "pca",
+    "trees",
+    *(f"ga_ann_{p}" for p in PROTOCOLS),
+    "physical",
+    "surrogate",
+]
 
 
 localrules:
@@ -77,6 +85,7 @@ rule penalised:
         options={
             **LEARNING.penalised.model_dump(),
             "fold_count": LEARNING.folds,
+            "confidence": LEARNING.confidence,
             **SPLITS,
         },
         code=CODE["penalised"],
@@ -186,6 +195,8 @@ rule ga_ann:
         model_arrays=f"{RESULTS}/learning/ga_ann_{{protocol}}_model.safetensors",
     log:
         f"{LOGS}/ga_ann_{{protocol}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/ga_ann/{{protocol}}.tsv"
     wildcard_constraints:
         protocol="|".join(PROTOCOLS),
     # After the cheap models.
@@ -201,6 +212,7 @@ rule ga_ann:
             "lasso_alpha": LEARNING.penalised.lasso_alpha,
             "ridge_alpha": LEARNING.penalised.ridge_alpha,
             "test_share": LEARNING.test_share,
+            "confidence": LEARNING.confidence,
             "seed": CONFIG.seed,
         },
         folder=lambda wildcards: f"{RESULTS}/.ga_ann-{wildcards.protocol}",

@@ -10,6 +10,11 @@ TABLES = {
     "scores": rules.scores.output.scores,
     "comparison": rules.scores.output.comparison,
     "beside_paper": rules.scores.output.beside_paper,
+    "power_law": rules.physical.output.exponents,
+    "targets": rules.reach.output.targets,
+    "extrapolation": rules.reach.output.extrapolation,
+    "sobol": rules.sensitivity.output.indices,
+    "calibration": rules.intervals.output.calibration,
     **({"failures": rules.failures.output} if SIMULATED else {}),
 }
 
@@ -24,6 +29,7 @@ rule documents:
         f"{RESULTS}/summary.json",
         f"{RESULTS}/config.yaml",
         f"{RESULTS}/versions.json",
+        expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
 
 
 rule table:

@@ -27,6 +27,7 @@ VERIFICATION_FIGURES = {
     "convergence": ["laws_convergence"],
     "codes": ["codes_impacts"],
     "codes_forces": ["codes_forces"],
+    "codes_jets": ["codes_jets"],
     "time_step": ["time_step_mean", "time_step_jets"],
     "coverage": ["statistics_replicates"],
     "steady_state": ["steady_state_rates", "steady_state_series"],

@@ -194,7 +194,7 @@ class Setup:
     gravity: float = 9.81
     contact: ContactModel = field(default_factory=ContactModel)
     pair_interaction: Interaction | None = None
-    time_step_fraction: float = 0.2
+    time_step_fraction: float = 0.15
     time_step: float | None = None
     stepping: str = "islands"
     window: float = 5.0

@@ -126,7 +126,10 @@ def chung_ooi_figure(tests: pd.DataFrame, measured: pd.DataFrame, number: str) -
         for panel, quantity in zip(panels, quantities, strict=True):
             rows = part[part["quantity"] == quantity]
             for colour, marker, (test, one) in zip(
-                (style.BLUE, style.RED), ("o", "s"), rows.groupby("test", sort=False), strict=False
+                (style.BLUE, style.RED, style.GREEN),
+                ("o", "s", "^"),
+                rows.groupby("test", sort=False),
+                strict=False,
             ):
                 material = test.partition(" ")[2] or "ours"
                 if number == "2":
@@ -134,13 +137,15 @@ def chung_ooi_figure(tests: pd.DataFrame, measured: pd.DataFrame, number: str) -
                     panel.hlines(one["exact"], *_slot(panel), color=style.BLACK, ls="--",
                                  lw=0.9, label="exact")  # fmt: skip
                     continue
+                # What lies on top is hollow, so that what agrees is seen to.
+                hollow = {"mfc": "none", "ms": 4.0} if marker != "o" else {}
                 panel.plot(one["value"], one["ours"], marker, color=colour, label=material,
-                           **_SMALL)  # fmt: skip
+                           **(_SMALL | hollow))  # fmt: skip
                 panel.plot(one["value"], one["exact"], **_EXACT)
             points = measured[(measured["test"] == number) & (measured["quantity"] == quantity)]
             if len(points):
-                panel.plot(points["angle"], points["value"], "x", color=style.RED, ms=4,
-                           label="experiment")  # fmt: skip
+                panel.plot(points["angle"], points["value"], "x", color=style.BLACK, ms=4,
+                           label=points["source"].iloc[0])  # fmt: skip
             panel.set_title(quantity, loc="left")
             panel.set_xlabel(_AXES[number])
             words = _WORDS[quantity]
@@ -185,52 +190,88 @@ def codes_figure(impacts: pd.DataFrame) -> Figure:
 
 
 def forces_figure(forces: pd.DataFrame) -> Figure:
-    """Tangential force against time: another code as points, ours as lines."""
+    """Tangential force against time: other codes as points, ours as lines."""
     with style.style():
-        groups = list(forces.groupby(["variant", "angle"], sort=False))
-        figure, panels = style.panels(len(groups), 3, 1.9)
-        for panel, ((variant, angle), part) in zip(panels, groups, strict=True):
+        groups = list(forces.groupby(["code", "variant", "angle"], sort=False))
+        figure, panels = style.panels(len(groups), 4, 1.75)
+        for panel, ((code, variant, angle), part) in zip(panels, groups, strict=True):
             time = 1e6 * part["time"]
-            panel.plot(time, part["our_normal"], color=style.RED, label="ours, normal")
-            panel.plot(time, part["our_tangential"], color=style.BLUE, label="ours, tangential")
-            for name in ("normal_force", "tangential_force"):
-                panel.plot(time, part[name], ".", color=style.BLACK, ms=2,
-                           label=part["code"].iloc[0])  # fmt: skip
-            first, _, rest = variant.partition(", ")
-            panel.set_title(f"{first}, {angle:g}°\n{rest}", loc="left", fontsize=6.5)
+            panel.plot(time, part["our_tangential"], color=style.BLUE, label="ours")
+            panel.plot(time, part["their_tangential"], color=style.RED, ls="--", lw=0.8,
+                       label="the law under the other code's choices")  # fmt: skip
+            panel.plot(time, part["tangential_force"], ".", color=style.BLACK, ms=2,
+                       label="other code")  # fmt: skip
+            low, high = panel.get_ylim()
+            panel.set_ylim(low - 0.3 * (high - low), high)
+            panel.text(0.98, 0.04, variant.replace(", ", "\n"), transform=panel.transAxes,
+                       fontsize=5.5, ha="right", va="bottom", color=style.GREY)  # fmt: skip
+            panel.set_title(f"{code.split()[0]}, {angle:g}°", loc="left")
             panel.set_xlabel("Time (µs)")
-            panel.set_ylabel("Force (N)")
+            panel.set_ylabel("$F_t$ (N)")
         return _finish(figure, panels, "e = 0.5, µ = 0.45, 3.9 m/s, the same options")
+
+
+def jets_figure(jets: pd.DataFrame) -> Figure:
+    """Impulse of whole jets on the plate: ours from that of other codes."""
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 2.0)
+        names = (jets["code"].str.split().str[0] + ": " + jets["variant"]).unique()
+        for shift, colour, (quantity, part) in zip(
+            (-0.1, 0.1), style.PALETTE, jets.groupby("quantity", sort=False), strict=False
+        ):
+            difference = 100.0 * (part["ours"] / part["reference"] - 1.0)
+            panel.errorbar(
+                difference, np.arange(len(part)) + shift, xerr=200.0 * part["bias_stderr"],
+                fmt="o", color=colour, label=quantity.replace("_", " "), **_SMALL,
+            )  # fmt: skip
+        panel.axvspan(-1.5, 1.5, color=style.LIGHT_GREY, lw=0, zorder=0)
+        panel.set_yticks(range(len(names)), names)
+        panel.invert_yaxis()
+        panel.set_xlabel("Ours from the other code's (%)")
+        panel.set_title("impulse of a jet on the plate", loc="left")
+        return _finish(
+            figure, [panel], "80 stones on 40°; bars: twice the spread of nudged jets; grey: 1.5 %"
+        )
 
 
 def time_step_figure(mean: pd.DataFrame, jets: pd.DataFrame) -> Figure:
     """Bias of the readings against the step, single impacts and jets."""
     with style.style():
-        figure, panels = style.panels(2, 2, 2.3)
-        left, right = panels
-        for colour, (e, part) in zip(
-            style.PALETTE,
-            mean[(mean["reading"] == "total")].groupby("restitution"),
-            strict=False,
-        ):
+        figure, panels = style.panels(3, 3, 2.3)
+        left, middle, right = panels
+        # Longer steps are for showing what goes wrong; they would hide the rest.
+        mean, jets = (frame[frame["fraction"] <= 0.2] for frame in (mean, jets))
+        total = mean[mean["reading"] == "total"]
+        for colour, (e, part) in zip(style.PALETTE, total.groupby("restitution"), strict=False):
             for ls, (speed, one) in zip(("-", ":"), part.groupby("speed"), strict=False):
-                one = one[one["fraction"] <= 0.2].sort_values("fraction")
+                one = one.sort_values("fraction")
                 left.plot(one["fraction"], 100.0 * one["bias"], marker="o", ls=ls, color=colour,
                           label=f"e = {e:g}, {speed:g} m/s", **_SMALL)  # fmt: skip
-        for colour, ((reading, angle), one) in zip(
-            style.PALETTE, jets.groupby(["reading", "plate_angle"], sort=False), strict=False
+        total = jets[jets["reading"] == "total"]
+        for colour, (angle, one) in zip(
+            (*style.PALETTE[3:6], style.GREY, style.BLACK),
+            total.groupby("plate_angle", dropna=False),
+            strict=False,
         ):
-            one = one[one["fraction"] <= 0.2].sort_values("fraction")
-            right.errorbar(one["fraction"], 100.0 * one["bias"], 100.0 * one["bias_stderr"],
-                           color=colour, marker="o", label=f"jet: {reading}, {angle:g}°",
-                           **_SMALL)  # fmt: skip
-        left.set_title("total, single impacts, over the angles", loc="left")
-        right.set_title("jets", loc="left")
+            one = one.sort_values("fraction")
+            words = "all four plates" if np.isnan(angle) else f"plate {angle:g}°"
+            middle.errorbar(one["fraction"], 100.0 * one["bias"], 100.0 * one["bias_stderr"],
+                            color=colour, marker="s", label=words, **_SMALL)  # fmt: skip
+        others = mean[mean["reading"] != "total"]
+        for ls, (reading, part) in zip(("-", "--"), others.groupby("reading"), strict=True):
+            worst = part.assign(bias=part["bias"].abs()).groupby("fraction")["bias"].max()
+            right.plot(worst.index, 100.0 * worst, color=style.GREY, ls=ls, marker="^",
+                       label=reading, **_SMALL)  # fmt: skip
+        left.set_title("total, single impacts", loc="left")
+        middle.set_title("total, jets", loc="left")
+        right.set_title("other readings, largest", loc="left")
         for panel in panels:
             panel.axhspan(-1.0, 1.0, color=style.LIGHT_GREY, lw=0, zorder=0)
             panel.set_xlabel("Step over the Rayleigh time")
             panel.set_ylabel("Bias (%)")
-        return _finish(figure, panels, "grey: 1 %; single impacts over all phases of entry")
+        return _finish(
+            figure, panels, "grey: 1 %; single impacts over all phases of entry, summed over angles"
+        )
 
 
 def coverage_figure(replicates: pd.DataFrame) -> Figure:
@@ -320,10 +361,12 @@ def trends_figure(measurements: pd.DataFrame, exponents: pd.DataFrame) -> Figure
             panel.loglog(part["factor"], part["value"], ".", color=style.BLUE, ms=2)
             base = mean.iloc[0] * (mean.index / mean.index[0]) ** row["expected"]
             panel.loglog(mean.index, base, **(_EXACT | {"label": "expected slope"}))
-            panel.set_title(row["quantity"], loc="left", fontsize=7)
+            words = row["quantity"].replace("v^2 + 2 g H", "$v^2 + 2gH$")
+            panel.set_title(words, loc="left", fontsize=7)
             speed = row["quantity"].startswith("speed with")
             panel.set_xlabel("Speed of impact (m/s)" if speed else "Factor")
-            panel.set_ylabel("Wear (J)" if "rate" in row["quantity"] else "Wear (J/kg)")
+            per_mass = row["quantity"].startswith("speed")
+            panel.set_ylabel("Wear (J/kg)" if per_mass else "Wear rate (W)")
             middle = float(np.sqrt(part["value"].min() * part["value"].max()))
             reach = max(2.0, 1.3 * float(np.sqrt(part["value"].max() / part["value"].min())))
             panel.set_ylim(middle / reach, middle * reach)
@@ -331,7 +374,7 @@ def trends_figure(measurements: pd.DataFrame, exponents: pd.DataFrame) -> Figure
                 axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 4.0, 8.0)))
                 axis.set_major_formatter(ScalarFormatter())
                 axis.set_minor_locator(NullLocator())
-            panel.text(0.05, 0.88, f"{row['exponent']:.3f} ± {row['exponent_stderr']:.3f}",
+            panel.text(0.05, 0.88, f"{row['exponent']:.4f} ± {row['exponent_stderr']:.4f}",
                        transform=panel.transAxes, fontsize=7)  # fmt: skip
         return _finish(figure, panels, "points: replicates; number: fitted exponent")
 
@@ -361,6 +404,7 @@ FIGURES = {
     "convergence": convergence_figure,
     "codes": codes_figure,
     "codes_forces": forces_figure,
+    "codes_jets": jets_figure,
     "time_step": time_step_figure,
     "coverage": coverage_figure,
     "steady_state": steady_figure,

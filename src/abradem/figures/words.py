@@ -20,6 +20,11 @@ MODELS = {
     "forest": "random forest",
     "paper_net": "449-24-500-385 net",
     "ga_ann": "GA-ANN",
+    "power_law": "power law",
+    "boosting": "boosting on groups",
+    "networks": "networks on groups",
+    "gaussian_process": "Gaussian process",
+    "surrogate": "surrogate",
 }
 
 

@@ -17,6 +17,7 @@ from abradem.learning.scores import r2
 
 ORDER = (
     "linear", "lasso", "ridge", "pca_wrong_target", "pca", "tree", "forest", "paper_net", "ga_ann",
+    "power_law", "boosting", "networks", "gaussian_process", "surrogate",
 )  # fmt: skip
 SPLITS, FIXED, RETRAINED = "repeated splits", "fixed split", "trained again"
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from abradem.verification.closed_forms import Hertz, Roll
-from abradem.verification.scenes import Scene, filmed
+from abradem.verification.scenes import Film, Scene, filmed
 
 STEPS_PER_CONTACT = 500
 """Of the experiments with impacts."""
@@ -110,7 +110,27 @@ def incline(scene: Scene, angle_deg: float, gravity: float = 9.81) -> float:
     return float(slope)
 
 
-def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000, **law):
+def with_law(problem, pairs: bool = False, **factors: float):
+    """The problem with other constants of its contact laws than a study can choose.
+
+    Parameters
+    ----------
+    problem : Problem
+    pairs : bool
+        Whether the contacts between particles change too.
+    **factors : float
+        Factors on constants of `abradem.dem.contact.Law`, such as ``ct=1.2``.
+    """
+    changed = {}
+    for name in ("plate_law", "pair_law") if pairs else ("plate_law",):
+        law = getattr(problem, name)
+        changed[name] = law._replace(
+            **{key: getattr(law, key) * factor for key, factor in factors.items()}
+        )
+    return problem._replace(**changed)
+
+
+def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000, **law: float):
     """An impact under a law with other constants than a study can choose.
 
     Parameters
@@ -121,13 +141,15 @@ def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000,
     steps : int
         Per contact.
     **law : float
-        Factors on constants of `abradem.dem.contact.Law`, such as ``ct=1.2``.
+        As in `with_law`.
 
     Returns
     -------
     dict
-        normal_velocity, tangential_velocity (m/s), spin (rad/s, forward), total and
-        friction_work (J).
+        normal_velocity, tangential_velocity (m/s), spin (rad/s, forward), tangential_impulse
+        (N s), total, friction_work and wear (J), as `plain_impact.plain_impact` names them.
+    ndarray, shape (n, 3)
+        Time since the begin (s), normal and tangential force (N) at every step.
     """
     from abradem.dem.contact import hertz_duration
     from abradem.dem.state import DONE, FLYING, make_problem, make_state
@@ -136,23 +158,52 @@ def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000,
     angle = math.radians(angle_deg)
     v_n, v_t = speed * math.cos(angle), speed * math.sin(angle)
     probe = make_problem(scene.case(), scene.plane(time_step=1.0))[0]
-    dt = hertz_duration(probe.plate_law, probe.mass, v_n) / steps
+    dt = hertz_duration(with_law(probe, **law).plate_law, probe.mass, v_n) / steps
     release = ([0.0], [(0.0, scene.radius + 0.5 * v_n * dt, 0.0)], [(v_t, -v_n, 0.0)])
     problem, schedule = make_problem(scene.case(), scene.plane(time_step=dt, gravity=0.0), release)
-    changed = {name: getattr(problem.plate_law, name) * factor for name, factor in law.items()}
-    problem = problem._replace(plate_law=problem.plate_law._replace(**changed))
+    problem = with_law(problem, **law)
     state = make_state(problem, 1)
-    step = 2 * steps
-    if advance(problem, schedule, state, step) != DONE:
-        raise RuntimeError("impact ended early")
-    while state.particles[0]["motion"] != FLYING:
-        step += steps
-        advance(problem, schedule, state, step)
+    track, wear = [], 0.0
+    for step in range(1, 50 * steps):
+        if advance(problem, schedule, state, step) != DONE:
+            raise RuntimeError("impact ended early")
+        sphere = state.particles[0]
+        overlap = max(scene.radius - float(sphere["y"]), 0.0)
+        if overlap > 0.0:
+            normal, tangential = float(sphere["plate_fn"]), float(sphere["plate_tx"])
+            # The surfaces met in the middle of the first step.
+            track.append(((step - 0.5) * dt, normal, tangential))
+            if sphere["plate_slips"]:
+                way = abs(float(sphere["vx"]) + scene.radius * float(sphere["wz"])) * dt
+                wear += problem.plate_law.kn * overlap**1.5 * way
+        elif track and sphere["motion"] == FLYING:
+            break
     sphere, tally = state.particles[0], state.tally[0]
     return {
         "normal_velocity": float(sphere["vy"]),
         "tangential_velocity": float(sphere["vx"]),
         "spin": -float(sphere["wz"]),
-        "total": float(tally["worn_total"]),
+        "tangential_impulse": scene.mass * (float(sphere["vx"]) - v_t),
         "friction_work": float(tally["worn_friction"]) * scene.interaction.static_friction,
-    }
+        "total": float(tally["worn_total"]),
+        "wear": wear,
+    }, np.array(track)
+
+
+def poured_with(case, setup, releases, **law: float) -> np.ndarray:
+    """Velocities (m/s) at ``setup.duration`` of stones from given releases, all still in flight.
+
+    The constants of all contacts are multiplied as in `with_law`.
+    """
+    from abradem.dem.state import DONE, make_problem, make_state
+    from abradem.dem.synchronous import advance
+
+    problem, schedule = make_problem(case, setup, releases)
+    problem = with_law(problem, pairs=True, **law)
+    state = make_state(problem, len(releases[0]))
+    if advance(problem, schedule, state, round(setup.duration / problem.dt)) != DONE:
+        raise RuntimeError("jet ended early")
+    film = Film(problem.dt)
+    film.record(setup.duration, problem, state)
+    frame = film.frames[-1]
+    return np.column_stack([frame[name] for name in ("vx", "vy", "vz")])

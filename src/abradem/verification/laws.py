@@ -18,7 +18,7 @@ from abradem.verification.experiments import (
     incline,
     slide_to_roll,
 )
-from abradem.verification.scenes import NOMINAL_SPEED, Scene, solid
+from abradem.verification.scenes import NOMINAL_SPEED, Scene, filmed, solid
 from abradem.verification.table import Check, checks_table
 
 PART = 1
@@ -52,6 +52,15 @@ SOFT = Scene(particle=solid(1e7, 0.25, 2500.0)).with_interaction(
 
 GRAVITY = 9.81
 
+ONE_STEP = 1.0 / STEPS_PER_CONTACT
+"""Where begin and end of a contact, or of slip, are met to a step; measured errors are smaller."""
+
+ROUNDING = 1e-9
+"""Where the discrete motion follows the form as such."""
+
+CREEP = 1e-6 * GRAVITY
+"""At rest: the normal vibration has died away to a millionth."""
+
 
 def rebound_checks() -> list[Check]:
     """Restitution of normal impacts and the damping behind it."""
@@ -60,7 +69,7 @@ def rebound_checks() -> list[Check]:
         scene = Scene().with_interaction(restitution=e)
         rebound = scene.impact(SPEED, 0.0).normal_velocity / SPEED
         checks.append(Check(f"damping beta, e = {e:g}", exact_beta(e), beta, 6e-5, kind="absolute"))
-        checks.append(Check(f"rebound of a normal impact, e = {e:g}", rebound, e, 2e-3))
+        checks.append(Check(f"rebound of a normal impact, e = {e:g}", rebound, e, ONE_STEP))
         textbook = replace(scene, contact=ContactModel(normal="nominal_clipped"))
         rebound = textbook.impact(SPEED, 0.0).normal_velocity / SPEED
         checks.append(
@@ -88,7 +97,7 @@ def hertz_checks() -> list[Check]:
 def _hertz(words: str, found: exact.Hertz, known: exact.Hertz) -> list[Check]:
     units = {"force": "N", "overlap": "m", "duration": "s"}
     return [
-        Check(f"Hertz {name}, {words}", getattr(found, name), getattr(known, name), 5e-3, unit)
+        Check(f"Hertz {name}, {words}", getattr(found, name), getattr(known, name), ONE_STEP, unit)
         for name, unit in units.items()
     ]
 
@@ -104,10 +113,10 @@ def slip_checks() -> list[Check]:
         impact = scene.impact(SPEED, angle)
         words = f"gross slip, mu = {mu:g}, mu_r = {mu_r:g}, e = {e:g}"
         checks += [
-            Check(f"{words}: v_t'", impact.tangential_velocity, form.tangential_velocity, 5e-3,
+            Check(f"{words}: v_t'", impact.tangential_velocity, form.tangential_velocity, ONE_STEP,
                   "m/s"),
-            Check(f"{words}: spin", -impact.spin[2], form.spin, 5e-3, "rad/s"),
-            Check(f"{words}: total", impact.total, form.total, 5e-3, "J"),
+            Check(f"{words}: spin", -impact.spin[2], form.spin, ONE_STEP, "rad/s"),
+            Check(f"{words}: total", impact.total, form.total, ONE_STEP, "J"),
         ]  # fmt: skip
     return checks
 
@@ -123,7 +132,7 @@ def book_checks() -> list[Check]:
             book = exact.friction_book(scene.mass, _components(angle)[1], after)
             checks.append(
                 Check(f"friction work = (m/7)(v_c^2 - v_c'^2), {tangential}, {angle:g} deg",
-                      impact.friction_work, book, 2e-3, "J")
+                      impact.friction_work, book, ROUNDING, "J")
             )  # fmt: skip
     scene = Scene().with_interaction(restitution=0.6)
     film, _ = head_on(scene, 2.0, 1e-4, spins=((10, -50, 120), (30, 70, -20)), offset=0.006)
@@ -136,7 +145,7 @@ def book_checks() -> list[Check]:
         Check("pair: linear momentum made, of that of one", np.abs(speed.sum(axis=0)).max() / 2.0,
               0.0, 1e-12, kind="absolute"),
         Check("pair: angular momentum made", np.abs(angular[:, -1] - angular[:, 0]).max() / size,
-              0.0, 1e-9, kind="absolute"),
+              0.0, ROUNDING, kind="absolute"),
     ]  # fmt: skip
     film, _ = head_on(Scene(), 2.0, 1e-4, spins=((0, 0, 200), (0, 0, -200)))
     checks.append(
@@ -158,7 +167,7 @@ def similarity_checks() -> list[Check]:
     checks = []
     for name, (scene, speed) in changes.items():
         ours = scene.impact(speed, 40.0).total / (scene.mass * speed**2)
-        checks.append(Check(f"similarity: total/(m v^2), another {name}", ours, base, 1e-6))
+        checks.append(Check(f"similarity: total/(m v^2), another {name}", ours, base, ROUNDING))
     return checks
 
 
@@ -167,9 +176,11 @@ def plane_checks() -> list[Check]:
     form = exact.slide_to_roll(SOFT.mass, 1.0, 0.3, GRAVITY)
     found = slide_to_roll(SOFT, 1.0)
     checks = [
-        Check("slide to roll: final velocity 5/7 u0", found.velocity, form.velocity, 1e-4, "m/s"),
-        Check("slide to roll: slipping ends after", found.time, form.time, 5e-3, "s"),
-        Check("slide to roll: total = m u0^2/(7 mu)", found.total, form.total, 5e-3, "J"),
+        Check(
+            "slide to roll: final velocity 5/7 u0", found.velocity, form.velocity, ROUNDING, "m/s"
+        ),
+        Check("slide to roll: slipping ends after", found.time, form.time, ONE_STEP, "s"),
+        Check("slide to roll: total = m u0^2/(7 mu)", found.total, form.total, ONE_STEP, "J"),
     ]
     for angle, mu_r, words in (
         (20.0, 0.0, "rolls"), (20.0, 0.05, "rolls"), (60.0, 0.0, "slides"), (60.0, 0.05, "slides"),
@@ -177,11 +188,25 @@ def plane_checks() -> list[Check]:
         form = exact.incline_acceleration(angle, 0.3, mu_r, GRAVITY)
         ours = incline(SOFT.with_interaction(rolling_friction=mu_r), angle)
         checks.append(
-            Check(f"incline {angle:g} deg, mu_r = {mu_r:g}: {words}", ours, form, 2e-3, "m/s2")
+            Check(f"incline {angle:g} deg, mu_r = {mu_r:g}: {words}", ours, form, ROUNDING, "m/s2")
         )
     rests = abs(incline(SOFT.with_interaction(rolling_friction=0.1), 5.0))
-    checks.append(Check("incline 5 deg, mu_r = 0.1: rests", rests, 0.0, 1e-6, "m/s2", "absolute"))
+    checks.append(Check("incline 5 deg, mu_r = 0.1: rests", rests, 0.0, CREEP, "m/s2", "absolute"))
     return checks
+
+
+def flight_check() -> Check:
+    """A thrown stone against x0 + v t - g t^2 / 2."""
+    scene, time = Scene(), 0.5
+    velocity = np.array([3.0, 2.0, -1.0])
+    start = np.array([0.0, 5.0, 0.0])
+    setup = scene.setup(duration=time, sample_interval=time, removal_depth=50.0)
+    _, film = filmed(scene.case(), setup, ([0.0], [start], [velocity]), every=0.1)
+    last = film.time[-1]
+    known = start + velocity * last - np.array([0.0, 0.5 * GRAVITY * last**2, 0.0])
+    found = np.array([film.of(axis)[-1] for axis in "xyz"])
+    return Check("free flight: distance from the parabola", float(np.linalg.norm(found - known)),
+                 0.0, ROUNDING, "m", "absolute")  # fmt: skip
 
 
 def law_checks() -> list[Check]:
@@ -205,7 +230,7 @@ def fast_checks() -> list[Check]:
     """All checks of this part but the order of convergence."""
     return [
         *rebound_checks(), *hertz_checks(), *slip_checks(), *book_checks(), *similarity_checks(),
-        *plane_checks(), *law_checks(),
+        *plane_checks(), flight_check(), *law_checks(),
     ]  # fmt: skip
 
 

@@ -108,7 +108,9 @@ COLUMNS = {
     ),
     **_columns(
         "1",
-        ours="ours", reference="reference", difference="difference, relative or in the unit",
+        ours="ours", plain="ours, integrated anew",
+        theirs="integrated anew under the other code's choices", reference="reference",
+        difference="difference, relative or in the unit",
         tolerance="tolerance", restitution="coefficient of restitution",
         static_friction="coefficient of static friction", rolling_friction="rolling friction",
         exact_beta="damping that rebounds at e", nominal_beta="textbook damping",
@@ -140,7 +142,9 @@ COLUMNS = {
     **_columns("J", work="work"),
     **_columns("W", rate="rate of F_n ds, W = 1", rate_stderr="standard error of the rate"),
     **_columns("N", tangential_force="tangential force", normal_force="normal force",
-        our_normal="normal force, ours", our_tangential="tangential force, ours"),
+        our_normal="normal force, ours", our_tangential="tangential force, ours",
+        their_normal="normal force, integrated anew under the other code's choices",
+        their_tangential="tangential force, integrated anew under the other code's choices"),
     **_columns("m", x="position along x", height="height over the plate", z="position along z"),
     **_columns("kg/s", mass_rate="mass rate"),
 }  # fmt: skip

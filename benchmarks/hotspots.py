@@ -1,0 +1,200 @@
+"""Where the time of a scenario goes, by function and by line: python benchmarks/hotspots.py B.
+
+Samples the processor with Linux' `perf` while the engine simulates, and finds the source of each
+sample from the line numbers of the machine code, through all functions that were put into
+others. The engine is compiled with line numbers for this, into a folder of its own; that takes a
+minute or two the first time and does not change its speed. Needs `perf` and binutils.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+WITH_LINES = "NUMBA_DEBUGINFO"
+SAMPLES_PER_SECOND = 997
+CODE_SECTION = ".ltext"
+"""Where numba puts machine code in its object files."""
+
+_DEMANGLED = re.compile(r"abradem::dem::(\w+)::(\w+)\[")
+_MANGLED = re.compile(r"^_ZN7abradem3dem\d+([a-z_]+?)(\d+)(\w+)")
+
+
+KEPT: dict[int, bytes] = {}
+"""Machine code from numba's cache, by library: numba itself drops it once it is loaded."""
+
+
+def keep_cached_code() -> None:
+    """Let numba's libraries leave what they get from the cache in `KEPT`."""
+    from numba.core.codegen import CodeLibrary
+
+    put = CodeLibrary._set_compiled_object
+
+    def put_and_keep(library, data):
+        KEPT[id(library)] = data
+        put(library, data)
+
+    CodeLibrary._set_compiled_object = put_and_keep
+
+
+def compiled_kernels():
+    """Yield object file (bytes), name of a function in it and its address, for each kernel."""
+    import abradem.dem
+
+    folder = Path(abradem.dem.__file__).parent
+    for name in sorted(path.stem for path in folder.glob("*.py")):
+        module = sys.modules.get(f"abradem.dem.{name}")
+        for kernel in vars(module).values() if module else ():
+            if getattr(kernel, "__module__", None) != f"abradem.dem.{name}":
+                continue
+            for overload in getattr(kernel, "overloads", {}).values():
+                library, function = overload.library, overload.fndesc.llvm_func_name
+                # numba has no public way to the machine code of a library.
+                address = library._codegen._engine._ee.get_function_address(function)
+                data = KEPT.get(id(library)) or library._compiled_object
+                if data is not None:
+                    yield data, function, address
+
+
+def placed_code(folder: Path):
+    """Write the object files; return (path, address at which its code begins, size) of each."""
+    placed = {}
+    for data, function, address in compiled_kernels():
+        path = folder / f"{len(placed)}.o"
+        path.write_bytes(data)
+        symbols = output("nm", str(path)).splitlines()
+        offset = next((int(s.split()[0], 16) for s in symbols if s.endswith(f" {function}")), None)
+        if offset is None or address == 0:
+            continue
+        sections = [line.split() for line in output("objdump", "-h", str(path)).splitlines()]
+        size = next(int(row[2], 16) for row in sections if row[1:2] == [CODE_SECTION])
+        placed[address - offset] = (path, size)
+    return [(path, start, size) for start, (path, size) in placed.items()]
+
+
+def output(*command: str) -> str:
+    """What a program prints."""
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def function_name(symbol: str) -> str:
+    """``module.function`` of the engine, or "" for what is numba's own."""
+    if found := _DEMANGLED.search(symbol):
+        return f"{found[1]}.{found[2]}"
+    if found := _MANGLED.match(symbol):
+        return f"{found[1]}.{found[3][: int(found[2])]}"
+    return ""
+
+
+def chains(samples, code):
+    """Yield (count, [(function, file:line), ...]) from the innermost function outwards."""
+    by_file = collections.defaultdict(collections.Counter)
+    for address in samples:
+        for path, start, size in code:
+            if start <= address < start + size:
+                by_file[path][address - start] += 1
+                break
+        else:
+            yield 1, [("outside the engine", "")]
+    for path, counts in by_file.items():
+        offsets = [hex(offset) for offset in counts]
+        lines = output(
+            "addr2line", "-e", str(path), "-j", CODE_SECTION, "-f", "-i", "-C", "-a", *offsets
+        ).splitlines()
+        found, current = {}, None
+        for line in lines:
+            if line.startswith("0x"):
+                current = found[int(line, 16)] = []
+            else:
+                current.append(line)
+        for offset, count in counts.items():
+            pairs = zip(found[offset][::2], found[offset][1::2], strict=True)
+            named = [(function_name(name), Path(place).name) for name, place in pairs]
+            chain = [(name, place) for name, place in named if name]
+            yield count, chain or [("outside the engine", "")]
+
+
+def record(scenario: str, seconds: float | None, stepping: str):
+    """Simulate a scenario under `perf`; print the shares of functions and lines."""
+    from dataclasses import replace
+
+    from speed import SCENARIOS, timed
+
+    from abradem.dem.warm import warm
+
+    keep_cached_code()
+    warm()
+    chosen = SCENARIOS[scenario]
+    setup = replace(chosen.setup, stepping=stepping)
+    if seconds is not None:
+        setup = replace(setup, duration=seconds)
+    with tempfile.TemporaryDirectory() as folder:
+        code = placed_code(Path(folder))
+        data = Path(folder, "perf.data")
+        perf = subprocess.Popen(
+            ["perf", "record", "-q", "-o", str(data), "-e", "cpu-clock",
+             "-F", str(SAMPLES_PER_SECOND), "-p", str(os.getpid())]
+        )  # fmt: skip
+        time.sleep(1.0)
+        spent, result = timed(chosen.case, setup)
+        while spent.cpu < 1.0:
+            more, result = timed(chosen.case, setup)
+            spent = spent._replace(cpu=spent.cpu + more.cpu)
+        perf.send_signal(signal.SIGINT)
+        perf.wait()
+        script = output("perf", "script", "-i", str(data), "-F", "ip")
+        samples = [int(line, 16) for line in script.split() if line]
+        found = list(chains(samples, code))
+    print(f"{scenario}, {stepping}: {result.simulated_time:g} s simulated, {len(samples)} samples")
+    tell(found)
+
+
+def tell(found) -> None:
+    """Print the share of each function alone and with all that was put into it, and of lines."""
+    alone, within, lines = (collections.Counter() for _ in range(3))
+    for count, chain in found:
+        alone[chain[0][0]] += count
+        for name in {name for name, _ in chain}:
+            within[name] += count
+        lines[" < ".join(place for _, place in chain[:3])] += count
+    total = sum(alone.values())
+    print(f"{'within %':>9} {'alone %':>8}  function")
+    for name, count in within.most_common(30):
+        print(f"{100 * count / total:9.1f} {100 * alone[name] / total:8.1f}  {name}")
+    print(f"{'%':>9}  line")
+    for place, count in lines.most_common(30):
+        print(f"{100 * count / total:9.1f}  {place}")
+
+
+def main() -> None:
+    """Start a process whose engine has line numbers, and let it do the work."""
+    parser = argparse.ArgumentParser(description="where the time of a scenario goes")
+    parser.add_argument("scenario", help="of A, M, B, D")
+    parser.add_argument("--seconds", type=float, help="simulate so long, whatever the scenario")
+    parser.add_argument("--stepping", default="islands", help="islands or synchronous")
+    chosen = parser.parse_args()
+    for program in ("perf", "addr2line", "nm", "objdump"):
+        if not shutil.which(program):
+            raise SystemExit(f"{program} is not installed (Debian: linux-perf, binutils)")
+    if os.environ.get(WITH_LINES) != "1":
+        from abradem.dem.cache import cache_folder
+
+        environment = os.environ | {
+            WITH_LINES: "1",
+            "ABRADEM_CACHE_DIR": str(cache_folder().parent / "with-lines"),
+        }
+        raise SystemExit(subprocess.run([sys.executable, *sys.argv], env=environment).returncode)
+    record(chosen.scenario, chosen.seconds, chosen.stepping)
+
+
+if __name__ == "__main__":
+    main()

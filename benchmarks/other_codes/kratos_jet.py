@@ -1,0 +1,54 @@
+"""The jet with Kratos: velocities at its end."""
+
+import json
+from importlib.metadata import version
+
+import KratosMultiphysics as kratos
+from kratos_common import parameters, write_materials, write_parts
+from KratosMultiphysics.DEMApplication.DEM_analysis_stage import DEMAnalysisStage
+
+kratos.Logger.GetDefaultOutput().SetSeverity(kratos.Logger.Severity.WARNING)
+
+
+class Jet(DEMAnalysisStage):
+    """Stones that are released one by one."""
+
+    def Initialize(self):
+        """Release those due at the begin; the first stone is in the input."""
+        super().Initialize()
+        self.due = list(task["releases"])
+        self.stones, self.done = [], 0
+        self._release()
+
+    def FinalizeSolutionStep(self):
+        """Release those due now."""
+        super().FinalizeSolutionStep()
+        self.done += 1
+        self._release()
+        if self.done == task["steps"]:
+            self.end = [list(n.GetSolutionStepValue(kratos.VELOCITY)) for n in self.stones]
+
+    def _release(self):
+        while self.due and self.due[0][0] <= self.done:
+            _, place, velocity = self.due.pop(0)
+            if self.stones:
+                element = self.creator_destructor.CreateSphericParticle(
+                    self.spheres_model_part, len(self.stones) + 1, kratos.Array3(place),
+                    self.spheres_model_part.GetProperties()[1], task["radius"],
+                    "SphericParticle3D",
+                )  # fmt: skip
+                node = element.GetNode(0)
+            else:
+                node = next(iter(self.spheres_model_part.Nodes))
+            node.SetSolutionStepValue(kratos.VELOCITY, kratos.Vector(velocity))
+            self.stones.append(node)
+
+
+with open("task.json") as file:
+    task = json.load(file)
+write_parts(task["radius"], [task["releases"][0][1]], task["corners"])
+write_materials(task)
+run = Jet(kratos.Model(), parameters(task, task["gravity"], search_every=50, skin=0.002))
+run.Run()
+with open("found.json", "w") as file:
+    json.dump({"version": version("KratosDEMApplication"), "end": run.end}, file)

@@ -1,0 +1,393 @@
+"""The jets of `speed.py` by LIGGGHTS and LAMMPS: the same stones, step and plate, timed.
+
+Each peer gets an input script of ours: Hertz-Mindlin contacts with rolling friction, the plate as
+one wall of limited size, stones put in at the steps, places and velocities at which our engine
+released them, and taken out below the same level. No wear, no dumps, one core. The time of a peer
+is the sum of what its log calls loop time: reading scripts, set-up and putting stones in are not
+in it, nor are the pair lists that it makes at the begin of a run.
+
+What differs: LIGGGHTS takes the displacement law with uncapped damping, LAMMPS the incremental
+law; both let contacts attract at their end, which gives the same restitution as our default. Both
+resist relative rolling, LIGGGHTS in proportion to the elastic force alone, LAMMPS by a spring and
+slider; ours slows each stone's own spin in proportion to the whole normal force. Therefore beds of
+the peers hold some per cent fewer stones, to their advantage.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import resource
+import shutil
+import subprocess
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from abradem.dem.contact import effective_shear_modulus, effective_youngs_modulus
+from abradem.dem.model import Case, Setup
+from abradem.dem.simulation import _Engine
+from abradem.dem.state import FLYING, GONE, Problem, make_problem
+
+MARGIN = 0.1
+"""Share by which stones and kinetic energy may differ from ours for a comparison to be fair."""
+
+ROLLING_STEPS = 314
+"""Period of the rolling spring of LAMMPS in steps: stiff, and well resolved."""
+
+REMOVAL_STEPS = 1000
+"""How often LAMMPS looks for stones below the level of removal."""
+
+
+class Pour(NamedTuple):
+    """What our engine released, and how much there was of it.
+
+    Attributes
+    ----------
+    problem : Problem
+    end : int
+        Last lattice step.
+    step : ndarray, shape (n,)
+        Lattice step of each release.
+    place, velocity : ndarray, shape (n, 3)
+        m, m/s.
+    stones, energy : ndarray, shape (m,)
+        Stones present and their kinetic energy without spin (J) just before each step with a
+        release, but for the first.
+    low, high : ndarray, shape (3,)
+        Box in which all centres were just after those steps, m.
+    """
+
+    problem: Problem
+    end: int
+    step: np.ndarray
+    place: np.ndarray
+    velocity: np.ndarray
+    stones: np.ndarray
+    energy: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    @property
+    def releases(self):
+        """What `abradem.simulate` takes as its releases."""
+        return self.step * self.problem.dt, self.place, self.velocity
+
+
+@dataclass(frozen=True)
+class Run:
+    """How a peer ran: version, seconds of its run loop, means of stones and kinetic energy."""
+
+    version: str
+    wall: float
+    cpu: float
+    stones: float
+    energy: float
+
+
+def pour(case: Case, setup: Setup) -> Pour:
+    """Simulate a case, for the duration of its set-up, and write down its releases.
+
+    The engine is stopped before and after each step with a release: until its first contact a
+    stone keeps the anchor of its flight, which is where it was released.
+    """
+    problem, schedule = make_problem(case, setup)
+    engine = _Engine(problem, schedule, "islands")
+    sample = max(1, round(setup.sample_interval / problem.dt))
+    end = max(1, round(setup.duration / (sample * problem.dt))) * sample
+    steps, places, stones, energy = [], [], [], []
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    step = int(engine.state.tally["next_release"][0])
+    while step < end:
+        engine.advance(step, None, None)
+        before = _present(engine)
+        engine.advance(step + 1, None, None)
+        after = _present(engine)
+        new = after[after["identity"] >= len(steps)]
+        centres = np.stack([after[axis] for axis in "xyz"])
+        low = np.minimum(low, centres.min(axis=1, initial=np.inf))
+        high = np.maximum(high, centres.max(axis=1, initial=-np.inf))
+        if steps and new.size:
+            stones.append(before.size)
+            energy.append(kinetic_energy(problem, before, step))
+        for stone in new[np.argsort(new["identity"])]:
+            steps.append(int(stone["anchor_step"]))
+            places.append([float(stone[f"anchor_{axis}"]) for axis in "xyz"])
+        step = int(engine.state.tally["next_release"][0])
+    velocity = np.tile([0.0, problem.release_speed, 0.0], (len(steps), 1))
+    return Pour(
+        problem, end, np.array(steps), np.array(places), velocity,
+        np.array(stones), np.array(energy), low, high,
+    )  # fmt: skip
+
+
+def _present(engine) -> np.ndarray:
+    particles = engine.state.particles[: int(engine.state.tally["live"][0])]
+    return particles[particles["motion"] != GONE]
+
+
+def kinetic_energy(problem: Problem, particles: np.ndarray, step: int) -> float:
+    """Kinetic energy of all particles without their spin, J."""
+    flown = np.where(particles["motion"] == FLYING, step - particles["anchor_step"], 0)
+    vy = particles["vy"] - problem.gravity * problem.dt * flown
+    speed2 = particles["vx"] ** 2 + vy**2 + particles["vz"] ** 2
+    return 0.5 * problem.mass * float(speed2.sum())
+
+
+def unlike(poured: Pour, run: Run) -> str:
+    """In which respect a peer's work differs from ours by more than `MARGIN`, or ""."""
+    words = []
+    for name, ours, theirs in (
+        ("stones", poured.stones.mean(), run.stones),
+        ("kinetic energy", poured.energy.mean(), run.energy),
+    ):
+        if not abs(theirs / ours - 1.0) <= MARGIN:
+            words.append(f"{name} {100.0 * (theirs / ours - 1.0):+.0f} %")
+    return ", ".join(words)
+
+
+# LIGGGHTS
+
+LIGGGHTS = """units si
+atom_style granular
+atom_modify map array
+boundary f f f
+newton off
+communicate single vel yes
+hard_particles yes
+region box block {box} units box
+create_box 2 box
+neighbor {skin!r} bin
+neigh_modify delay 0
+fix m1 all property/global youngsModulus peratomtype {stone.youngs_modulus} {plate.youngs_modulus}
+fix m2 all property/global poissonsRatio peratomtype {stone.poisson_ratio} {plate.poisson_ratio}
+fix m3 all property/global coefficientRestitution peratomtypepair 2 {restitution}
+fix m4 all property/global coefficientFriction peratomtypepair 2 {friction}
+fix m5 all property/global coefficientRollingFriction peratomtypepair 2 {rolling}
+pair_style gran model hertz tangential history rolling_friction cdt
+pair_coeff * *
+timestep {dt!r}
+fix plate all mesh/surface file plate.stl type 2
+fix wall all wall/gran model hertz tangential history rolling_friction cdt &
+    mesh n_meshes 1 meshes plate
+fix g all gravity {gravity} vector 0 -1 0
+fix move all nve/sphere
+"""
+
+THERMO = """thermo 1000000
+thermo_style custom step atoms ke
+thermo_modify lost ignore norm no
+"""
+
+
+def _plate_stl(case: Case, setup: Setup) -> str:
+    angle = math.radians(case.plate_angle)
+    half, width = 0.5 * setup.plate_length, 0.5 * setup.plate_width
+    corners = [
+        (a * math.cos(angle), a * math.sin(angle), z)
+        for a, z in ((-half, -width), (half, -width), (half, width), (-half, width))
+    ]
+    lines = ["solid plate"]
+    for triangle in ((0, 1, 2), (0, 2, 3)):
+        lines += ["facet normal 0 1 0", "outer loop"]
+        lines += ["vertex {:.17g} {:.17g} {:.17g}".format(*corners[i]) for i in triangle]
+        lines += ["endloop", "endfacet"]
+    return "\n".join([*lines, "endsolid plate", ""])
+
+
+def _box(low, high) -> str:
+    return " ".join(f"{float(a)!r} {float(b)!r}" for a, b in zip(low, high, strict=True))
+
+
+def _room(case: Case, poured: Pour):
+    """Box with room for stones that jump higher and farther than ours did."""
+    room = 10.0 * case.particle_radius
+    return poured.low - room, poured.high + room
+
+
+def _four(value: float) -> str:
+    return " ".join([repr(float(value))] * 4)
+
+
+def liggghts_script(case: Case, setup: Setup, poured: Pour, skin: float) -> str:
+    """Input of LIGGGHTS: the plate is a mesh of two triangles; the box ends where stones do."""
+    low, high = _room(case, poured)
+    low[1] = poured.problem.removal_height
+    head = LIGGGHTS.format(
+        box=_box(low, high), skin=skin, stone=case.particle, plate=case.plate,
+        restitution=_four(case.restitution), friction=_four(case.static_friction),
+        rolling=_four(case.rolling_friction), dt=poured.problem.dt, gravity=setup.gravity,
+    )  # fmt: skip
+    return head + THERMO + _releases(case, poured, poured.place, poured.velocity)
+
+
+# LAMMPS
+
+LAMMPS = """units si
+atom_style sphere
+atom_modify map array
+boundary f f f
+newton off
+comm_modify vel yes
+region box block {box} units box
+create_box 1 box
+neighbor {skin!r} bin
+neigh_modify delay 0
+pair_style granular
+pair_coeff * * {pair_law}
+timestep {dt!r}
+region plate block {plate} side out units box
+fix wall all wall/gran/region granular {plate_law} region plate
+fix g all gravity {gravity} vector {down}
+region below plane {level} {down} units box
+fix gone all evaporate {removal_steps} 1000000 below 1
+fix move all nve/sphere
+"""
+
+
+def _lammps_law(a, b, case: Case, problem: Problem) -> str:
+    """k_n = 4/3 E*, damping for e, k_t = 8 G*, damped in the ratio of the stiffnesses."""
+    e_star, g_star = effective_youngs_modulus(a, b), effective_shear_modulus(a, b)
+    ratio, mu = math.sqrt(8.0 * g_star / (2.0 * e_star)), case.static_friction
+    turn = 2.0 * math.pi / (ROLLING_STEPS * problem.dt)
+    return (
+        f"hertz {4.0 / 3.0 * e_star!r} {case.restitution} damping coeff_restitution &\n"
+        f"    tangential mindlin_rescale/force {8.0 * g_star!r} {ratio!r} {mu} &\n"
+        f"    rolling sds {problem.mass * turn**2!r} {2.0 * problem.mass * turn!r} "
+        f"{case.rolling_friction}"
+    )
+
+
+def lammps_script(case: Case, setup: Setup, poured: Pour, skin: float) -> str:
+    """Input of LAMMPS, in axes along the plate: its regions tilt only at a cost in each step.
+
+    The plate is the outside of a block a tenth of a radius thick.
+    """
+    problem = poured.problem
+    angle = math.radians(case.plate_angle)
+    turn = np.array(
+        [[math.cos(angle), -math.sin(angle), 0.0], [math.sin(angle), math.cos(angle), 0.0],
+         [0.0, 0.0, 1.0]]
+    )  # fmt: skip
+    low, high = _room(case, poured)
+    corners = np.array([[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])]) @ turn
+    low[:2], high[:2] = corners.min(axis=0)[:2], corners.max(axis=0)[:2]
+    half = np.array([0.5 * setup.plate_length, 0.0, 0.5 * setup.plate_width])
+    thick = np.array([0.0, 0.1 * case.particle_radius, 0.0])
+    down = np.array([0.0, -1.0, 0.0]) @ turn
+    level = np.array([0.0, problem.removal_height, 0.0]) @ turn
+    head = LAMMPS.format(
+        box=_box(low, high), skin=skin, dt=problem.dt, gravity=setup.gravity,
+        pair_law=_lammps_law(case.particle, case.particle, case, problem),
+        plate_law=_lammps_law(case.particle, case.plate, case, problem),
+        plate=_box(-half - thick, half), down=_vector(down), level=_vector(level),
+        removal_steps=REMOVAL_STEPS,
+    )  # fmt: skip
+    return head + THERMO + _releases(case, poured, poured.place @ turn, poured.velocity @ turn)
+
+
+def _vector(values) -> str:
+    return " ".join(f"{float(value):.17g}" for value in values)
+
+
+def _releases(case: Case, poured: Pour, place, velocity) -> str:
+    """Runs between the releases; time begins with the first stone, as nothing is there before."""
+    lines, now = [], poured.step[0]
+    size = f"diameter {2.0 * case.particle_radius!r} density {case.particle_density!r}"
+    for i, step in enumerate(poured.step):
+        if step > now:
+            lines.append(f"run {step - now}")
+            now = step
+        lines.append(f"create_atoms 1 single {_vector(place[i])} units box")
+        speed = "vx {:.17g} vy {:.17g} vz {:.17g}".format(*velocity[i])
+        lines.append(f"set atom {i + 1} {size} {speed}")
+    lines += [f"run {poured.end - now}", ""]
+    return "\n".join(lines)
+
+
+# Both
+
+_VERSION = re.compile(r"\(Version LIGGGHTS-PUBLIC ([\d.]+)|^LAMMPS \(([^)]+)\)")
+_ROW = re.compile(r"^\s*\d+\s+(\d+)\s+([-+.\deE]+)\s*$")
+_LOOP = re.compile(r"^Loop time of (\S+) on 1 procs")
+
+
+def read_log(lines) -> tuple[str, float, np.ndarray]:
+    """Return version, seconds of all run loops, and stones and energy at the end of each.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        What a peer prints.
+
+    Returns
+    -------
+    version : str
+    loop : float
+        s.
+    rows : ndarray, shape (runs, 2)
+        Stones present, kinetic energy in J.
+    """
+    version, loop, rows, last = "", 0.0, [], None
+    for line in lines:
+        if found := _VERSION.search(line):
+            version = version or found[1] or found[2]
+        elif found := _ROW.match(line):
+            last = (int(found[1]), float(found[2]))
+        elif found := _LOOP.match(line):
+            loop += float(found[1])
+            rows.append(last)
+    return version, loop, np.array(rows, dtype=float).reshape(-1, 2)
+
+
+class Peer(NamedTuple):
+    """A code: its program, and the function that writes its input."""
+
+    name: str
+    program: str
+    script: object
+
+
+PEERS = (Peer("LIGGGHTS", "liggghts", liggghts_script), Peer("LAMMPS", "lmp", lammps_script))
+
+
+def installed(peer: Peer) -> str | None:
+    """Path of a peer's program, or None."""
+    return shutil.which(peer.program)
+
+
+def timed_run(peer: Peer, case: Case, setup: Setup, poured: Pour, skin: float) -> Run:
+    """Let a peer simulate the stones of a pour and read its log.
+
+    Raises
+    ------
+    RuntimeError
+        With the end of its output, if it fails.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "in.jet").write_text(peer.script(case, setup, poured, skin))
+        Path(folder, "plate.stl").write_text(_plate_stl(case, setup))
+        log = Path(folder, "log.txt")
+        before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+        with log.open("w") as sink:
+            done = subprocess.run(
+                [installed(peer), "-in", "in.jet", "-log", "none"],
+                cwd=folder, stdout=sink, stderr=subprocess.STDOUT,
+                env=os.environ | {"OMP_NUM_THREADS": "1"},
+            )  # fmt: skip
+        wall = time.perf_counter() - start
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if done.returncode != 0:
+            raise RuntimeError(f"{peer.name} failed:\n{log.read_text()[-2000:]}")
+        with log.open() as lines:
+            version, loop, rows = read_log(lines)
+    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    # The end of the last run is after the last release; ours was looked at before each.
+    stones, energy = rows[:-1].mean(axis=0)
+    # The clock of the loop is a wall clock; its share of the whole run is taken of both.
+    return Run(version, loop, cpu * loop / wall, float(stones), float(energy))

@@ -1,0 +1,105 @@
+"""Wear depth against time for angles of the plate and of the factory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from abradem.figures import style
+from abradem.parameters import SAMPLED_NAMES, quantity
+
+SHADES = "viridis"
+_ORDER = ("plate_angle", "factory_angle")
+
+
+def angles_figure(
+    curves: pd.DataFrame, rates: pd.DataFrame, case: Mapping[str, float], duration: float
+) -> Figure:
+    """Depth against time, and its steady slope, for plate angles and for factory angles.
+
+    Parameters
+    ----------
+    curves, rates : pandas.DataFrame
+        From `abradem.scenes.depth_by_angle`.
+    case : mapping
+        Arguments of `abradem.Case`.
+    duration : float
+        Simulated time, s.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Above the curves, below the slopes with standard errors.
+    """
+    with style.style():
+        figure, axes = style.panels(4, 2, 2.1)
+        depth_power = style.decade(float(curves["wear_depth"].max()))
+        rate_power = style.decade(float(rates["rate"].max()))
+        for column, varied in enumerate(_ORDER):
+            _curves_panel(
+                axes[column], column, curves[curves["varied"] == varied], varied, depth_power
+            )
+            _rates_panel(
+                axes[2 + column], 2 + column, rates[rates["varied"] == varied], varied, rate_power
+            )
+        # Curves and slopes compare across the panels of a row.
+        for row in (axes[:2], axes[2:]):
+            top = max(panel.get_ylim()[1] for panel in row)
+            for panel in row:
+                panel.set_ylim(0.0, top)
+        symbol = {name: f"${quantity(name).tex}$" for name in SAMPLED_NAMES}
+        radius, speed = 1e3 * case["particle_radius"], case["particle_velocity_y"]
+        style.caption(
+            figure,
+            f"reading: total; {symbol['particle_radius']} = {radius:g} mm, "
+            f"{symbol['particle_velocity_y']} = {style.number(speed)} m/s, "
+            f"{symbol['plate_angle']} = {style.number(case['plate_angle'])}° and "
+            f"{symbol['factory_angle']} = {style.number(case['factory_angle'])}° where they are "
+            "not varied, all other quantities in the middle of their ranges; "
+            f"{duration:g} s each; bars: standard error of the steady slope",
+        )
+    return figure
+
+
+def _curves_panel(panel, index, curves, varied, power) -> None:
+    angles = list(dict.fromkeys(curves["angle"]))
+    shades = mpl.colormaps[SHADES](np.linspace(0.0, 0.9, len(angles)))
+    tex = quantity(varied).tex
+    ends = []
+    for index_of_angle, (shade, angle) in enumerate(zip(shades, angles, strict=True)):
+        rows = curves[curves["angle"] == angle]
+        depth = rows["wear_depth"].to_numpy() / 10.0**power
+        # Every other curve is dashed: where two coincide, both show.
+        panel.plot(
+            rows["time"], depth, color=shade, lw=1.2, ls=("-", "--")[index_of_angle % 2],
+            label=f"{style.number(angle)}°",
+        )  # fmt: skip
+        ends.append(depth[-1])
+    panel.set_xlim(0.0, curves["time"].max())
+    panel.set_ylim(0.0, 1.08 * max(max(ends), 1e-300))
+    panel.set_xlabel("Time (s)")
+    panel.set_ylabel(f"Mean depth ({style.scaled_unit(power, 'mm')})")
+    # Listed in the order of the curves' ends, from above.
+    handles, labels = panel.get_legend_handles_labels()
+    order = np.argsort(ends)[::-1]
+    panel.legend(
+        [handles[i] for i in order], [labels[i] for i in order], title=f"${tex}$",
+        loc="upper left", ncols=1 + len(order) // 5, handlelength=1.4,
+    )  # fmt: skip
+    panel.set_title(f"{style.letter(index)} {quantity(varied).long_name}", loc="left")
+
+
+def _rates_panel(panel, index, rates, varied, power) -> None:
+    ordered = rates.sort_values("angle")
+    panel.errorbar(
+        ordered["angle"], ordered["rate"] / 10.0**power, ordered["rate_stderr"] / 10.0**power,
+        fmt="o-", ms=3.0, lw=1.0, capsize=2.0, color=style.BLUE,
+    )  # fmt: skip
+    panel.set_ylim(0.0, 1.1 * max(float(ordered["rate"].max()) / 10.0**power, 1e-300))
+    panel.set_xlabel(style.axis_label(varied))
+    panel.set_ylabel(f"Depth rate ({style.scaled_unit(power, 'mm/s')})")
+    panel.set_title(f"{style.letter(index)} steady slope", loc="left")

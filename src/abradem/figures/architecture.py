@@ -1,0 +1,89 @@
+"""The networks that the genetic search found: features in, layers, wear out."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from abradem.figures import style
+from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS
+from abradem.parameters import TARGET, quantity
+
+_MOST_DRAWN = 11
+"""Neurons drawn of the largest layer."""
+
+
+def architecture_figure(summaries: Mapping[str, Mapping]) -> Figure:
+    """Features, hidden layers and output of the found network under each protocol.
+
+    Parameters
+    ----------
+    summaries : mapping
+        By protocol, see `abradem.learning.ga_ann.fit_networks`: ``features`` and
+        ``architecture`` are shown.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A layer shows as many neurons as its share of the largest allows; the number above it
+        is the true one.
+    """
+    protocols = [name for name in (AS_PUBLISHED, HONEST) if name in summaries]
+    with style.style():
+        figure, axes = style.panels(len(protocols), 2, 2.9)
+        for index, (panel, protocol) in enumerate(zip(axes, protocols, strict=True)):
+            _network(panel, summaries[protocol], COLOURS[protocol])
+            layers = "-".join(map(str, summaries[protocol]["architecture"]))
+            panel.set_title(
+                f"{style.letter(index)} {PROTOCOLS[protocol]}: {layers}", loc="left", fontsize=7.5
+            )
+        style.caption(
+            figure,
+            "fully connected, rectified linear units; the numbers are the neurons of a layer, of "
+            "which a part is drawn, and a part of their connections",
+        )
+    return figure
+
+
+def _network(panel, summary, colour) -> None:
+    features, layers = summary["features"], summary["architecture"]
+    largest = max(layers)
+    drawn = [
+        len(features),
+        *(max(3, round(_MOST_DRAWN * (size / largest) ** 0.5)) for size in layers),
+        1,
+    ]
+    drawn = [drawn[0], *(min(n, size) for n, size in zip(drawn[1:-1], layers, strict=True)), 1]
+    places = [
+        np.column_stack([np.full(count, float(x)), np.linspace(-1.0, 1.0, count) * _spread(count)])
+        for x, count in enumerate(drawn)
+    ]
+    for left, right in itertools.pairwise(places):
+        lines = [(a, b) for a in left for b in right]
+        panel.add_collection(
+            LineCollection(lines, colors=style.GREY, linewidths=0.25, alpha=0.35, zorder=1)
+        )
+    for column, points in enumerate(places):
+        inner = 0 < column < len(places) - 1
+        panel.scatter(
+            points[:, 0], points[:, 1], s=20, zorder=2, lw=0.6,
+            facecolor=colour if inner else "white", edgecolor="white" if inner else style.BLACK,
+        )  # fmt: skip
+    for (_, y), name in zip(places[0][::-1], features, strict=True):
+        panel.text(-0.18, y, f"${quantity(name).tex}$", ha="right", va="center", fontsize=7.0)
+    for x, size in enumerate(layers, start=1):
+        panel.text(x, 1.13, str(size), ha="center", va="bottom", fontsize=7.0)
+    panel.text(0, 1.13, str(len(features)), ha="center", va="bottom", fontsize=7.0)
+    panel.text(len(places) - 0.82, 0.0, f"${TARGET.tex}$", va="center", fontsize=8.0)
+    panel.set_xlim(-0.75, len(places) - 0.45)
+    panel.set_ylim(-1.1, 1.32)
+    panel.set_axis_off()
+
+
+def _spread(count: int) -> float:
+    """Half the height of a column of neurons: few stand closer together."""
+    return 0.0 if count == 1 else min(1.0, 0.35 + 0.06 * count)

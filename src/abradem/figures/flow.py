@@ -1,0 +1,468 @@
+"""Flow charts: how the data come about, how a simulation is set up, and the whole workflow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch, FancyBboxPatch, Polygon
+from matplotlib.path import Path as Outline
+
+from abradem.dem.model import Setup
+from abradem.figures import style
+from abradem.rulegraph import needs_of
+
+WORDS = {
+    "sample": ("draw parameter sets", "one table for each block of cases"),
+    "join_cases": ("join the parameter sets", "cases.parquet"),
+    "simulate": ("simulate", "worn volume over time, wear maps"),
+    "wear_rates": ("wear rates", "steady slope, standard error, flags"),
+    "failures": ("failures", "cases without a rate, and why"),
+    "dataset": ("data set", "X1 to X20 and the wear depth rates"),
+}
+"""What rules on the way to the data set do, and what they leave."""
+
+LANES = (
+    ("cases, simulation", ("sampling", "simulation", "scenes")),
+    ("data set", ("dataset", "external")),
+    ("learning", ("learning", "models")),
+)
+"""Titles of the columns of the whole workflow and the files of rules in each."""
+
+LAST_LANE = "figures, tables"
+
+_METHODS = {
+    "lhs": "Latin hypercube",
+    "sobol": "Sobol sequence",
+    "uniform": "independent",
+}
+_WIDE = 2.2
+"""Width of a box that stands alone on its level, inches."""
+
+_TINT = {"data": "#E8F1F8", "step": "white", "choice": "#FDF3E0"}
+
+
+def generation_figure(
+    graph: pd.DataFrame, study: Mapping[str, object], setup: Setup | None
+) -> Figure:
+    """How the data are generated (rules of the workflow), and how each simulation is set up.
+
+    Parameters
+    ----------
+    graph : pandas.DataFrame
+        From `abradem.rulegraph.rule_graph`.
+    study : mapping
+        cases, blocks, jobs, method, seed, and ``external``, the table where nothing is simulated.
+    setup : Setup or None
+        None if nothing is simulated; the set-up is then left out.
+    """
+    needs = needs_of(graph)
+    chain = _way_to("dataset", needs)
+    with style.style():
+        height = 5.2 if setup else 0.9 + 0.75 * (1 + max(chain.values()))
+        figure = Figure(figsize=(style.PAGE, height))
+        left = _canvas(figure, (0.0, 0.0, 0.44, 1.0))
+        _generation(left, needs, chain, study)
+        if setup is not None:
+            _simulation(_canvas(figure, (0.46, 0.0, 0.54, 1.0)), setup)
+    return figure
+
+
+def workflow_figure(graph: pd.DataFrame) -> Figure:
+    """All rules of the study, from left to right by stage, and what each takes from which.
+
+    Parameters
+    ----------
+    graph : pandas.DataFrame
+        From `abradem.rulegraph.rule_graph`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Lines that pass a column keep a place of their own in it, so that none runs below a box.
+    """
+    needs = needs_of(graph)
+    titles, columns = zip(*_columns(graph, needs), strict=True)
+    layers, links = _with_passages(columns, needs)
+    heights = _places(layers, links)
+    with style.style():
+        top = max(y for layer in heights for y in layer.values())
+        bottom = min(y for layer in heights for y in layer.values())
+        figure = Figure(figsize=(style.PAGE, top - bottom + 0.85))
+        panel = _canvas(figure, (0.0, 0.0, 1.0, 1.0))
+        widths = [max(_box_width(rule) for rule in rules) for rules in columns]
+        gap = (style.PAGE - 0.1 - sum(widths)) / max(len(widths) - 1, 1)
+        lefts = [0.05 + sum(widths[:n]) + n * gap for n in range(len(widths))]
+        lift = 0.42 - bottom
+        for number, title in enumerate(titles):
+            if title not in titles[:number]:
+                last = len(titles) - 1 - titles[::-1].index(title)
+                at_edge = last == len(titles) - 1
+                right = lefts[last] + widths[last]
+                panel.text(
+                    right if at_edge else 0.5 * (lefts[number] + right),
+                    top + lift + 0.28, title, ha="right" if at_edge else "center", va="center",
+                    fontsize=7.5, fontweight="bold",
+                )  # fmt: skip
+        feeding = {_maker(early) for early, _, _ in links}
+        makers = [rule for rules in columns for rule in rules if rule in feeding]
+        shades = {
+            rule: style.PALETTE[index % (len(style.PALETTE) - 1)]
+            for index, rule in enumerate(makers)
+        }
+        for early, late, column in links:
+            # A line begins at the right edge of its column, and crosses that of a passage.
+            start = lefts[column] + (
+                widths[column] if _is_passage(early) else 0.5 * widths[column]
+                + 0.5 * _box_width(early)
+            )  # fmt: skip
+            end = lefts[column + 1] + (
+                0.0 if _is_passage(late) else 0.5 * widths[column + 1] - 0.5 * _box_width(late)
+            )
+            from_y, to_y = heights[column][early] + lift, heights[column + 1][late] + lift
+            colour = shades[_maker(early)]
+            if _is_passage(early):
+                panel.plot([lefts[column], start], [from_y] * 2, color=colour, lw=0.8, alpha=0.7)
+            _curve(panel, (start, from_y), (end, to_y), colour)
+        for column, rules in enumerate(columns):
+            for rule in rules:
+                _box(
+                    panel, lefts[column] + 0.5 * widths[column], heights[column][rule] + lift,
+                    _box_width(rule), 0.17, _short(rule), edge=shades.get(rule, style.GREY),
+                )  # fmt: skip
+        panel.text(
+            0.5 * style.PAGE, 0.12, f"{len(needs)} rules; lines: files that one makes and another "
+            "takes, without those that others imply and those within the last column",
+            ha="center", va="center", fontsize=6.5, color=style.GREY,
+        )  # fmt: skip
+    return figure
+
+
+_PASSAGE = " passes "
+_BOX_ROOM, _PASSAGE_ROOM = 0.235, 0.09
+
+
+def _is_passage(name: str) -> bool:
+    return _PASSAGE in name
+
+
+def _maker(name: str) -> str:
+    """The rule whose files a line carries."""
+    return name.partition(_PASSAGE)[0]
+
+
+def _box_width(rule: str) -> float:
+    return 0.11 + 0.048 * len(_short(rule))
+
+
+def _with_passages(columns, needs):
+    """Columns with the passages of lines that run through them, and links between neighbours."""
+    layers = [list(rules) for rules in columns]
+    column_of = {rule: number for number, rules in enumerate(columns) for rule in rules}
+    links = {}
+    for rule, near in needs.items():
+        for one in sorted(near):
+            if column_of[one] >= column_of[rule]:
+                continue
+            before = one
+            for column in range(column_of[one] + 1, column_of[rule]):
+                passage = f"{one}{_PASSAGE}{column}"
+                if passage not in layers[column]:
+                    layers[column].append(passage)
+                links[before, passage, column - 1] = None
+                before = passage
+            links[before, rule, column_of[rule] - 1] = None
+    return layers, list(links)
+
+
+def _places(layers, links, sweeps: int = 12) -> list[dict[str, float]]:
+    """Heights of boxes and passages: near what they are linked with, none on another."""
+    near: dict[tuple[int, str], list[tuple[int, str]]] = {}
+    for early, late, column in links:
+        near.setdefault((column, early), []).append((column + 1, late))
+        near.setdefault((column + 1, late), []).append((column, early))
+    heights = [
+        _apart({name: -0.01 * index for index, name in enumerate(layer)}) for layer in layers
+    ]
+    for sweep in range(sweeps):
+        order = range(len(layers)) if sweep % 2 == 0 else range(len(layers) - 1, -1, -1)
+        for column in order:
+            side = -1 if sweep % 2 == 0 else 1
+            wished = {}
+            for name in layers[column]:
+                linked = near.get((column, name), [])
+                one_side = [heights[c][n] for c, n in linked if c == column + side]
+                both = one_side or [heights[c][n] for c, n in linked]
+                wished[name] = sum(both) / len(both) if both else heights[column][name]
+            heights[column] = _apart(wished)
+    return _without_gaps(heights)
+
+
+def _without_gaps(heights: list[dict[str, float]]) -> list[dict[str, float]]:
+    """The same heights without bands that are empty in all columns."""
+    levels = sorted({y for layer in heights for y in layer.values()}, reverse=True)
+    moved, lift = {}, 0.0
+    for index, y in enumerate(levels):
+        if index:
+            lift += max(0.0, levels[index - 1] - y - _BOX_ROOM)
+        moved[y] = y + lift
+    return [{name: moved[y] for name, y in layer.items()} for layer in heights]
+
+
+def _apart(wished: dict[str, float]) -> dict[str, float]:
+    """Heights in the order wished, as near to the wishes as the room between them allows."""
+    names = sorted(wished, key=lambda name: (-wished[name], name))
+    rooms = [_PASSAGE_ROOM if _is_passage(name) else _BOX_ROOM for name in names]
+    offsets, reach = [], 0.0
+    for index, room in enumerate(rooms):
+        reach += 0.5 * (room + rooms[index - 1]) if index else 0.0
+        offsets.append(reach)
+    # Least squares under the order: blocks that touch move together (pool adjacent violators).
+    blocks: list[list[float]] = []
+    for name, offset in zip(names, offsets, strict=True):
+        blocks.append([-(wished[name] + offset), 1.0])
+        while len(blocks) > 1 and blocks[-2][0] > blocks[-1][0]:
+            mean, count = blocks.pop()
+            before, number = blocks[-1]
+            blocks[-1] = [(before * number + mean * count) / (number + count), number + count]
+    bases = [-mean for mean, count in blocks for _ in range(int(count))]
+    return {n: base - offset for n, base, offset in zip(names, bases, offsets, strict=True)}
+
+
+def _canvas(figure: Figure, share: tuple[float, float, float, float]):
+    """Axes without frame whose unit is an inch."""
+    panel = figure.add_axes(share)
+    width, height = figure.get_size_inches()
+    panel.set_xlim(0.0, width * share[2])
+    panel.set_ylim(0.0, height * share[3])
+    panel.set_axis_off()
+    return panel
+
+
+def _way_to(target: str, needs: Mapping[str, set[str]]) -> dict[str, int]:
+    """Rules that ``target`` rests on, with their distance from the beginning."""
+
+    def level(rule: str) -> int:
+        return 1 + max((level(one) for one in needs[rule]), default=-1)
+
+    found, waiting = {}, [target]
+    while waiting:
+        rule = waiting.pop()
+        if rule not in found:
+            found[rule] = level(rule)
+            waiting += needs[rule]
+    return found
+
+
+def _columns(graph: pd.DataFrame, needs: Mapping[str, set[str]]) -> list[tuple[str, list[str]]]:
+    """Title and rules of every column: stages from left to right, within a stage by need."""
+    stage_of = dict(zip(graph["rule"], graph["stage"], strict=True))
+    title_of = {stage: title for title, stages in LANES for stage in stages}
+    lanes: dict[str, list[str]] = {title: [] for title, _ in LANES} | {LAST_LANE: []}
+    for rule, stage in stage_of.items():
+        drawn = rule.startswith("figure_")
+        lanes[LAST_LANE if drawn else title_of.get(stage, LAST_LANE)].append(rule)
+
+    def depth(rule: str, lane: list[str]) -> int:
+        return 1 + max((depth(one, lane) for one in needs[rule] if one in lane), default=-1)
+
+    columns = []
+    for title, lane in lanes.items():
+        levels: dict[int, list[str]] = {}
+        for rule in lane:
+            level = 0 if title == LAST_LANE else depth(rule, lane)
+            levels.setdefault(level, []).append(rule)
+        columns += [(title, levels[level]) for level in sorted(levels)]
+    return columns
+
+
+def _short(rule: str) -> str:
+    return rule.removeprefix("figure_").replace("_", " ")
+
+
+def _generation(panel, needs, chain, study) -> None:
+    width, height = panel.get_xlim()[1], panel.get_ylim()[1]
+    panel.text(0.08, height - 0.14, f"{style.letter(0)} generation of the data", va="center")
+    levels = 2 + max(chain.values())
+    step = (height - 0.75) / levels
+    box = (min(1.62, 0.5 * width - 0.12), min(0.50, 0.68 * step))
+
+    def y(level):
+        return height - 0.36 - 0.5 * box[1] - (level + 1) * step
+
+    x_middle = 0.5 * width
+    top = height - 0.36 - 0.5 * box[1]
+    source = study["external"]
+    words = (
+        ("configuration", f"ranges of 14 quantities, seed {study['seed']}, set-up")
+        if source is None
+        else ("a table from elsewhere", Path(source).name)
+    )
+    _box(panel, x_middle, top, _WIDE, box[1], *words, tint="data")
+    rows: dict[int, list[str]] = {}
+    for rule, level in chain.items():
+        rows.setdefault(level, []).append(rule)
+    places = {}
+    for level, rules in rows.items():
+        for index, rule in enumerate(sorted(rules, key=lambda r: (r != "join_cases", r))):
+            x = width * (index + 0.5) / len(rules) if len(rules) > 1 else x_middle
+            places[rule] = (x, y(level))
+    for rule, near in needs.items():
+        for one in near:
+            if rule in places and one in places:
+                if chain[rule] - chain[one] == 1:
+                    _down(panel, places[one], places[rule], box[1])
+                else:
+                    # Past the boxes between them, along the edge.
+                    x, foot = 0.14, places[one][1] - 0.5 * box[1]
+                    panel.plot([x, x], [foot, places[rule][1]], color=style.GREY, lw=0.9, zorder=1)
+                    _arrow(panel, (x, places[rule][1]), (x_middle - 0.5 * _WIDE, places[rule][1]))
+    numbers = {
+        "sample": f"{study['cases']}, {_METHODS[study['method']]}; blocks: {study['blocks']}",
+        "simulate": f"jobs: {study['jobs']}; wear for $W$ = 1",
+    }
+    for rule, (x, height_) in places.items():
+        if not needs[rule]:
+            _down(panel, (x_middle, top), (x, height_), box[1])
+        title, leaves = WORDS.get(rule, (_short(rule), ""))
+        wide = _WIDE if len(rows[chain[rule]]) == 1 else box[0]
+        _box(panel, x, height_, wide, box[1], title, numbers.get(rule, leaves))
+    end = y(levels - 2) - 0.5 * box[1]
+    panel.text(
+        x_middle, 0.5 * end + 0.02, "learning, figures, tables, report", ha="center", va="center",
+        fontsize=6.5, color=style.GREY,
+    )  # fmt: skip
+
+
+def _simulation(panel, setup: Setup) -> None:
+    width, height = panel.get_xlim()[1], panel.get_ylim()[1]
+    panel.text(0.08, height - 0.14, f"{style.letter(1)} set-up of each simulation", va="center")
+    feed = (
+        f"{setup.mass_rate:g} kg/s"
+        if setup.mass_rate is not None
+        else f"{setup.number_rate:g} stones/s"
+    )
+    mm = {name: f"{1e3 * getattr(setup, name):g}" for name in (
+        "plate_length", "plate_width", "facet_size", "patch_length", "patch_width", "fall_height",
+        "removal_depth",
+    )}  # fmt: skip
+    contact = setup.contact
+    step = (
+        f"{setup.time_step_fraction:g} of the Rayleigh time"
+        if setup.time_step is None
+        else f"{setup.time_step:g} s"
+    )
+    x_middle, wide, half = 0.5 * width, 0.82 * width, 0.48 * width
+    row = (height - 0.55) / 6.5
+    tall = 0.68 * row
+
+    def y(level):
+        return height - 0.36 - 0.5 * tall - level * row
+
+    left, right = 0.25 * width + 0.02, 0.75 * width - 0.02
+    small = half - 0.1
+    first = [
+        (left, 0, "materials and interaction",
+         "$G$, $\\nu$, $\\rho$ of stones and plate;\n$e$, $\\mu_s$, $\\mu_r$, $W$", "data"),
+        (right, 0, "geometry and motion",
+         "$\\varphi$, $\\theta$, $R$, $v_y$ of the case", "data"),
+        (left, 1, "plate",
+         f"{mm['plate_length']} × {mm['plate_width']} mm, facets {mm['facet_size']} mm", "step"),
+        (right, 1, "factory",
+         f"{mm['patch_length']} × {mm['patch_width']} mm, {mm['fall_height']} mm above;\n{feed}",
+         "step"),
+    ]  # fmt: skip
+    for column in (left, right):
+        _down(panel, (column, y(0)), (column, y(1)), tall)
+        _down(panel, (column, y(1)), (x_middle, y(2)), tall)
+    _down(panel, (x_middle, y(2)), (x_middle, y(3)), tall)
+    _down(panel, (x_middle, y(3)), (x_middle, y(4)), tall)
+    _down(panel, (x_middle, y(4)), (x_middle, y(5)), tall)
+    for x, level, title, words, tint in first:
+        _box(panel, x, y(level), small, tall, title, words, tint)
+    _box(
+        panel, x_middle, y(2), wide, tall, "contact law and time step",
+        f"Hertz–Mindlin, {_plain(contact.normal)}, {_plain(contact.tangential)} tangential "
+        f"spring;\nstep {step}",
+    )  # fmt: skip
+    _box(
+        panel, x_middle, y(3), wide, tall, "advance",
+        f"release stones, contact forces, move, remove {mm['removal_depth']} mm below;\nadd "
+        "$F_n\\,\\mathrm{d}s$ to the facet below each contact",
+    )  # fmt: skip
+    _box(
+        panel, x_middle, y(4), wide, 1.1 * tall,
+        f"steady for {setup.window:g} s, standard error at most "
+        f"{100 * setup.target_stderr:g} %?",
+        f"sampled every {setup.sample_interval:g} s; over after {setup.max_time:g} s", "choice",
+    )  # fmt: skip
+    _box(
+        panel, x_middle, y(5), wide, tall, "series, map, run",
+        "worn volume over time, wear of each facet, how it ended", "data",
+    )  # fmt: skip
+    edge = x_middle + 0.5 * wide
+    back = min(edge + 0.16, width - 0.12)
+    panel.plot([edge, back, back, edge + 0.05], [y(4), y(4), y(3), y(3)], color=style.GREY, lw=0.9)
+    panel.add_patch(
+        Polygon([(edge, y(3)), (edge + 0.07, y(3) + 0.03), (edge + 0.07, y(3) - 0.03)],
+                color=style.GREY, lw=0)
+    )  # fmt: skip
+    panel.text(back + 0.02, 0.5 * (y(3) + y(4)), "no", fontsize=6.5, color=style.GREY, va="center")
+    panel.text(
+        x_middle + 0.05, 0.5 * (y(4) + y(5)) - 0.02, "yes", fontsize=6.5, color=style.GREY,
+        va="center",
+    )  # fmt: skip
+
+
+def _plain(name: str) -> str:
+    return {"exact_e": "rebound exactly $e$"}.get(name, name.replace("_", " "))
+
+
+def _box(panel, x, y, width, height, title, words="", tint="step", edge=style.BLUE) -> None:
+    panel.add_patch(
+        FancyBboxPatch(
+            (x - 0.5 * width, y - 0.5 * height), width, height, lw=0.8, edgecolor=edge,
+            boxstyle="round,pad=0,rounding_size=0.04", facecolor=_TINT[tint], zorder=3,
+        )
+    )  # fmt: skip
+    if not words:
+        panel.text(x, y, title, ha="center", va="center", fontsize=6.5, zorder=4)
+        return
+    lines = 1 + words.count("\n")
+    panel.text(
+        x, y + 0.065 * lines, title, ha="center", va="center", fontsize=7.0, fontweight="bold",
+        zorder=4,
+    )  # fmt: skip
+    panel.text(
+        x, y - 0.075, words, ha="center", va="center", fontsize=6.5, zorder=4, linespacing=1.1,
+    )  # fmt: skip
+
+
+def _down(panel, start, end, height) -> None:
+    """An arrow from the foot of one box to the head of another."""
+    _arrow(panel, (start[0], start[1] - 0.5 * height), (end[0], end[1] + 0.5 * height))
+
+
+def _arrow(panel, start, end) -> None:
+    panel.add_patch(
+        FancyArrowPatch(
+            start, end, lw=0.9, arrowstyle="-|>", mutation_scale=7, shrinkA=0, shrinkB=0,
+            color=style.GREY, zorder=2,
+        )
+    )  # fmt: skip
+
+
+def _curve(panel, start, end, colour) -> None:
+    """A line between two places, level at both ends."""
+    bend = max(0.45 * (end[0] - start[0]), 0.05)
+    panel.add_patch(
+        FancyArrowPatch(
+            path=Outline(
+                [start, (start[0] + bend, start[1]), (end[0] - bend, end[1]), end],
+                [Outline.MOVETO, Outline.CURVE4, Outline.CURVE4, Outline.CURVE4],
+            ),
+            arrowstyle="-", lw=0.8, color=colour, alpha=0.7, zorder=1, shrinkA=0, shrinkB=0,
+        )
+    )  # fmt: skip

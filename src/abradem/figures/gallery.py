@@ -1,0 +1,91 @@
+"""Wear maps over the parameter space: a grid of cases by two quantities."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from abradem.figures import style
+from abradem.parameters import quantity
+
+
+def gallery_figure(
+    facets: pd.DataFrame, panels: pd.DataFrame, places: pd.DataFrame, across: str, down: str
+) -> Figure:
+    """Wear maps of cases, each on its own scale, ordered by two quantities.
+
+    Parameters
+    ----------
+    facets, panels : pandas.DataFrame
+        From `abradem.wear_rate.depth_rate_maps`.
+    places : pandas.DataFrame
+        case_id, row, column from `abradem.gallery.chosen_cases`.
+    across, down : str
+        Quantities by which columns and rows are ordered.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Above each map its case's two quantities and radius, below it the largest depth rate,
+        at which its colours end.
+    """
+    with style.style():
+        if places.empty:
+            figure, axes = style.panels(1, 1, 1.0, style.COLUMN)
+            style.say_nothing_to_show(axes[0], "no case has a wear map")
+            return figure
+        columns, rows = int(places["column"].max()) + 1, int(places["row"].max()) + 1
+        figure = style.new_figure(style.PAGE, 0.75 + rows * (0.86 * style.PAGE / columns + 0.36))
+        grid = figure.subplots(rows, columns, squeeze=False)
+        for panel in grid.ravel():
+            panel.set_axis_off()
+        known = panels.set_index("case_id")
+        mesh = None
+        for place in places.to_dict("records"):
+            panel = grid[place["row"], place["column"]]
+            key = place["case_id"]
+            mesh = _map(panel, facets[facets["case_id"] == key], known.loc[key])
+        if mesh is not None:
+            bar = figure.colorbar(mesh, ax=grid, shrink=0.5, aspect=30, pad=0.015)
+            bar.outline.set_linewidth(0.6)
+            bar.set_label("Depth rate over its largest")
+        style.caption(
+            figure,
+            f"columns by {quantity(across).long_name}, rows by {quantity(down).long_name}; the "
+            "case nearest to the middle of each cell of the sampled span; above each map these "
+            "two and the radius, below it its largest depth rate; up the slope to the "
+            "right",
+        )
+    return figure
+
+
+def _map(panel, rows: pd.DataFrame, case: pd.Series):
+    wear = rows.pivot(index="z", columns="x", values="depth_rate")
+    depth = wear.to_numpy()
+    top = float(depth.max())
+    step = [
+        (axis[1] - axis[0]) if len(axis) > 1 else 1.0
+        for axis in (wear.columns.to_numpy(), wear.index.to_numpy())
+    ]
+    edges = [
+        np.append(axis - 0.5 * width, axis[-1] + 0.5 * width)
+        for axis, width in zip((wear.columns.to_numpy(), wear.index.to_numpy()), step, strict=True)
+    ]
+    panel.set_axis_on()
+    mesh = panel.pcolormesh(
+        *edges, depth / top if top > 0.0 else depth, cmap=style.WEAR_MAP, vmin=0.0, vmax=1.0,
+        rasterized=True,
+    )  # fmt: skip
+    panel.set_aspect("equal")
+    panel.set_xticks([])
+    panel.set_yticks([])
+    panel.spines[["top", "right"]].set_visible(True)
+    panel.set_title(
+        f"{style.number(case['plate_angle'], 2)}°, "
+        f"{style.number(case['particle_velocity_y'], 2)} m/s,\n"
+        f"{1e3 * case['particle_radius']:.0f} mm",
+        fontsize=6.5, pad=2.0,
+    )  # fmt: skip
+    panel.set_xlabel(f"{style.number(top, 2)} mm/s", fontsize=6.5, labelpad=1.5)
+    return mesh

@@ -1,0 +1,334 @@
+"""A picture of spheres over a plate: rays from an eye, exact silhouettes, shading, shadows.
+
+Plotting libraries draw a sphere as a set of polygons sorted by depth, which fails where stones
+touch stones or the plate. Here every pixel gets the nearest surface that its ray meets; spheres
+and parallelograms need nothing but the roots of a quadratic and of a linear equation. Lengths
+are metres, y is up, and the plate is that of `abradem.dem.plate`: centre at the origin, rising
+along +x for positive angles.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+LIGHT = np.array([0.35, -1.0, -0.45]) / np.linalg.norm([0.35, -1.0, -0.45])
+"""Direction in which the light shines."""
+
+STONE = np.array([0.53, 0.58, 0.64])
+STEEL = np.array([0.72, 0.73, 0.75])
+PATCH = np.array([0.0, 0.447, 0.698])
+
+SLAB = 0.03
+"""Thickness of the drawn plate as a share of its length; the simulated one has none."""
+
+_SHADOW_CELLS = 480
+_AMBIENT, _DIFFUSE, _GLOSS = 0.42, 0.62, 0.28
+
+
+@dataclass(frozen=True)
+class Camera:
+    """An eye that looks at a point; pictures are ``width`` by ``height`` pixels.
+
+    Parameters
+    ----------
+    eye, target : ndarray, shape (3,)
+        m.
+    view : float
+        Height of what is seen at the distance of the target, m.
+    width, height : int
+    """
+
+    eye: np.ndarray
+    target: np.ndarray
+    view: float
+    width: int
+    height: int
+
+    @property
+    def axes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Unit vectors to the right, up and forward."""
+        forward = (self.target - self.eye) / np.linalg.norm(self.target - self.eye)
+        right = np.cross(forward, (0.0, 1.0, 0.0))
+        right /= np.linalg.norm(right)
+        return right, np.cross(right, forward), forward
+
+    @property
+    def focal(self) -> float:
+        """Pixels per unit of tangent."""
+        return self.height * np.linalg.norm(self.target - self.eye) / self.view
+
+    def project(self, points) -> np.ndarray:
+        """Pixels (x to the right, y down, from the upper left corner) of points, shape (n, 2)."""
+        right, up, forward = self.axes
+        away = np.atleast_2d(np.asarray(points, dtype=float)) - self.eye
+        depth = away @ forward
+        x = 0.5 * self.width + self.focal * (away @ right) / depth
+        y = 0.5 * self.height - self.focal * (away @ up) / depth
+        return np.column_stack([x, y])
+
+    def rays(self, rows: slice, columns: slice) -> np.ndarray:
+        """Directions through the middles of pixels, of length 1 along the line of sight."""
+        right, up, forward = self.axes
+        x = (np.arange(columns.start, columns.stop) + 0.5 - 0.5 * self.width) / self.focal
+        y = (0.5 * self.height - np.arange(rows.start, rows.stop) - 0.5) / self.focal
+        return forward + x[None, :, None] * right + y[:, None, None] * up
+
+
+@dataclass(frozen=True)
+class Plate:
+    """The plate as drawn.
+
+    Parameters
+    ----------
+    length, width : float
+        Along the slope and along z, m.
+    angle : float
+        Degrees.
+    colours : ndarray, shape (nx, nz, 3)
+        Colour of every facet, 0 to 1.
+    """
+
+    length: float
+    width: float
+    angle: float
+    colours: np.ndarray
+
+    @property
+    def along(self) -> np.ndarray:
+        """Unit vector up the slope (for positive angles)."""
+        return tilted(self.angle)
+
+    @property
+    def normal(self) -> np.ndarray:
+        """Unit normal of the upper face."""
+        return np.array([-self.along[1], self.along[0], 0.0])
+
+    def point(self, along: float, across: float, above: float = 0.0) -> np.ndarray:
+        """Place at shares of half the length and half the width, and metres above the face."""
+        return (
+            0.5 * along * self.length * self.along
+            + above * self.normal
+            + np.array([0.0, 0.0, 0.5 * across * self.width])
+        )
+
+
+def tilted(angle: float) -> np.ndarray:
+    """Unit vector along a slope of ``angle`` degrees about +z."""
+    return np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle)), 0.0])
+
+
+@dataclass(frozen=True)
+class Patch:
+    """The patch from which the stones come: extents (m), height of its centre (m), angle (deg)."""
+
+    length: float
+    width: float
+    height: float
+    angle: float
+
+    def corners(self) -> np.ndarray:
+        """Its corners in order, shape (4, 3), m."""
+        along = 0.5 * self.length * tilted(self.angle)
+        across = np.array([0.0, 0.0, 0.5 * self.width])
+        centre = np.array([0.0, self.height, 0.0])
+        return centre + np.array([-along - across, along - across, along + across, -along + across])
+
+
+def picture(
+    camera: Camera,
+    plate: Plate,
+    centres: np.ndarray,
+    radius: float,
+    patch: Patch | None = None,
+    tints: np.ndarray | None = None,
+    finer: int = 2,
+) -> np.ndarray:
+    """Draw spheres over a plate.
+
+    Parameters
+    ----------
+    camera : Camera
+    plate : Plate
+    centres : ndarray, shape (n, 3)
+        m.
+    radius : float
+        m.
+    patch : Patch, optional
+        Drawn transparent.
+    tints : ndarray, shape (n,), optional
+        Factor on the brightness of each sphere.
+    finer : int
+        Rays along each edge of a pixel, whose mean it shows.
+
+    Returns
+    -------
+    ndarray, shape (height, width, 3)
+        Colours, 0 to 1, on white.
+    """
+    fine = Camera(
+        camera.eye, camera.target, camera.view, camera.width * finer, camera.height * finer
+    )
+    image = np.ones((fine.height, fine.width, 3))
+    depth = np.full((fine.height, fine.width), np.inf)
+    centres = np.asarray(centres, dtype=float).reshape(-1, 3)
+    _draw_plate(image, depth, fine, plate, _shadows(plate, centres, radius))
+    tints = np.ones(len(centres)) if tints is None else tints
+    for centre, tint in zip(centres, tints, strict=True):
+        _draw_sphere(image, depth, fine, centre, radius, tint * STONE)
+    if patch is not None:
+        _draw_patch(image, depth, fine, patch)
+    image = image.reshape(camera.height, finer, camera.width, finer, 3).mean(axis=(1, 3))
+    return np.clip(image, 0.0, 1.0)
+
+
+def _lit(normals: np.ndarray, shadow=0.0) -> np.ndarray:
+    """Brightness of surfaces: light from above everywhere, and directed light."""
+    sky = _AMBIENT * (0.8 + 0.2 * normals[..., 1])
+    return sky + _DIFFUSE * np.clip(-(normals @ LIGHT), 0.0, 1.0) * (1.0 - shadow)
+
+
+def _window(corners: np.ndarray, camera: Camera) -> tuple[slice, slice] | None:
+    """Rows and columns of the picture that hold some pixels; None if it holds none."""
+    low = np.floor(corners.min(axis=0)).astype(int) - 1
+    high = np.ceil(corners.max(axis=0)).astype(int) + 2
+    columns = slice(max(low[0], 0), min(high[0], camera.width))
+    rows = slice(max(low[1], 0), min(high[1], camera.height))
+    if columns.start >= columns.stop or rows.start >= rows.stop:
+        return None
+    return rows, columns
+
+
+def _draw_sphere(image, depth, camera, centre, radius, colour) -> None:
+    forward = camera.axes[2]
+    away = float((centre - camera.eye) @ forward)
+    if away <= radius:
+        return
+    # In perspective a sphere is a little wider than its projected centre line.
+    half = 1.15 * camera.focal * radius / (away - radius)
+    middle = camera.project(centre)[0]
+    window = _window(np.array([middle - half, middle + half]), camera)
+    if window is None:
+        return
+    rays = camera.rays(*window)
+    start = camera.eye - centre
+    a = (rays**2).sum(axis=2)
+    b = rays @ start
+    root = b**2 - a * (start @ start - radius**2)
+    met = root > 0.0
+    t = np.where(met, (-b - np.sqrt(np.where(met, root, 0.0))) / a, np.inf)
+    seen = met & (t < depth[window])
+    if not seen.any():
+        return
+    normals = (start + t[seen][:, None] * rays[seen]) / radius
+    sight = -rays[seen] / np.sqrt(a[seen])[:, None]
+    half_way = sight - LIGHT
+    half_way /= np.linalg.norm(half_way, axis=1)[:, None]
+    gloss = _GLOSS * np.clip((normals * half_way).sum(axis=1), 0.0, 1.0) ** 40
+    image[window][seen] = _lit(normals)[:, None] * colour + gloss[:, None]
+    depth[window][seen] = t[seen]
+
+
+def _meet(camera, corner, edge_u, edge_v):
+    """Where rays meet a parallelogram: window, depth, shares along the edges, whether met."""
+    corners = np.array([corner, corner + edge_u, corner + edge_v, corner + edge_u + edge_v])
+    window = _window(camera.project(corners), camera)
+    if window is None:
+        return None
+    rays = camera.rays(*window)
+    normal = np.cross(edge_u, edge_v)
+    slope = rays @ normal
+    slope = np.where(np.abs(slope) < 1e-12, np.nan, slope)
+    t = ((corner - camera.eye) @ normal) / slope
+    place = camera.eye + t[..., None] * rays - corner
+    u = place @ (edge_u / (edge_u @ edge_u))
+    v = place @ (edge_v / (edge_v @ edge_v))
+    met = (t > 0.0) & (u >= 0.0) & (u <= 1.0) & (v >= 0.0) & (v <= 1.0)
+    return window, t, u, v, met
+
+
+def _draw_plate(image, depth, camera, plate, shadows) -> None:
+    up, down = plate.normal, -SLAB * plate.length * plate.normal
+    along = plate.length * plate.along
+    across = np.array([0.0, 0.0, plate.width])
+    corner = plate.point(-1.0, -1.0)
+    sides = (
+        (corner, along, down), (corner + across, along, down),
+        (corner, across, down), (corner + along, across, down),
+        (corner + down, along, across),
+    )  # fmt: skip
+    outward = (-across, across, -along, along, down)
+    for (start, u, v), normal in zip(sides, outward, strict=True):
+        found = _meet(camera, start, u, v)
+        if found is None:
+            continue
+        window, t, _, _, met = found
+        seen = met & (t < depth[window])
+        image[window][seen] = _lit(normal / np.linalg.norm(normal)) * STEEL
+        depth[window][seen] = t[seen]
+    found = _meet(camera, corner, along, across)
+    if found is None:
+        return
+    window, t, u, v, met = found
+    seen = met & (t < depth[window])
+    i = _cells(u[seen], plate.colours.shape[0])
+    j = _cells(v[seen], plate.colours.shape[1])
+    shadow = shadows[_cells(u[seen], _SHADOW_CELLS), _cells(v[seen], _SHADOW_CELLS)]
+    # The map is to be read by its colours, so the slope's light does not change them.
+    brightness = 1.0 - 0.45 * shadow
+    if (camera.eye @ up) < 0.0:
+        image[window][seen] = _lit(-up) * STEEL
+    else:
+        image[window][seen] = brightness[:, None] * plate.colours[i, j]
+    depth[window][seen] = t[seen]
+
+
+def _cells(share: np.ndarray, count: int) -> np.ndarray:
+    return np.clip((share * count).astype(int), 0, count - 1)
+
+
+def _shadows(plate, centres, radius) -> np.ndarray:
+    """Share of the directed light that spheres keep from the plate, on a grid of its face."""
+    frame = np.array([plate.along, plate.normal, [0.0, 0.0, 1.0]])
+    light = frame @ LIGHT
+    kept = np.zeros((_SHADOW_CELLS, _SHADOW_CELLS))
+    if light[1] >= -0.05:
+        return kept
+    cell = np.array([plate.length, plate.width]) / _SHADOW_CELLS
+    for place in centres @ frame.T:
+        height = place[1]
+        if height <= 0.0:
+            continue
+        # The edge of a shadow is the softer the higher the stone.
+        soft = 0.15 * radius + 0.12 * height
+        foot = place[[0, 2]] - light[[0, 2]] * height / light[1]
+        reach = (radius + soft) / -light[1]
+        low = np.floor((foot - reach) / cell + 0.5 * _SHADOW_CELLS).astype(int)
+        high = np.ceil((foot + reach) / cell + 0.5 * _SHADOW_CELLS).astype(int)
+        low, high = np.clip(low, 0, _SHADOW_CELLS), np.clip(high, 0, _SHADOW_CELLS)
+        if (low >= high).any():
+            continue
+        s = (np.arange(low[0], high[0]) + 0.5 - 0.5 * _SHADOW_CELLS) * cell[0] - place[0]
+        w = (np.arange(low[1], high[1]) + 0.5 - 0.5 * _SHADOW_CELLS) * cell[1] - place[2]
+        s, w = s[:, None], w[None, :]
+        towards = s * light[0] - height * light[1] + w * light[2]
+        apart = np.sqrt(np.maximum(s**2 + height**2 + w**2 - towards**2, 0.0))
+        share = np.clip((radius + 0.5 * soft - apart) / soft, 0.0, 1.0)
+        share = share**2 * (3.0 - 2.0 * share) * min(1.0, (2.0 * radius / (radius + soft)) ** 2)
+        part = kept[low[0] : high[0], low[1] : high[1]]
+        np.maximum(part, share, out=part)
+    return kept
+
+
+def _draw_patch(image, depth, camera, patch) -> None:
+    corners = patch.corners()
+    found = _meet(camera, corners[0], corners[1] - corners[0], corners[3] - corners[0])
+    if found is None:
+        return
+    window, t, u, v, met = found
+    seen = met & (t < depth[window])
+    border = np.minimum(np.minimum(u, 1.0 - u), np.minimum(v, 1.0 - v))[seen] < 0.025
+    cover = np.where(border, 0.95, 0.30)[:, None]
+    image[window][seen] = (1.0 - cover) * image[window][seen] + cover * PATCH

@@ -1,0 +1,246 @@
+"""The simulation set-up: plate, factory and particles as they are at one time, and the wear."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import ConnectionPatch
+from matplotlib.ticker import MaxNLocator
+
+from abradem.dem.model import Setup
+from abradem.figures import style
+from abradem.figures.render import Camera, Patch, Plate, picture, tilted
+from abradem.parameters import quantity
+
+HEIGHT = 3.75
+"""Height of the figure, inches."""
+
+_EYE = np.array([-0.32, 0.46, 0.83])
+_DISTANCE = 5.0
+"""Of the eye, in heights of what it sees: far, so that near stones are hardly larger."""
+
+_MARGIN = 1.12
+_PICTURE = (0.0, 0.07, 0.60, 0.93)
+_MAP = (0.665, 0.28, 0.225, 0.225 * style.PAGE / HEIGHT)
+
+
+def setup_figure(
+    particles: pd.DataFrame,
+    depth: np.ndarray,
+    time: float,
+    case: Mapping[str, float],
+    setup: Setup,
+) -> Figure:
+    """Plate, factory and particles in three dimensions, and the wear map as call-out.
+
+    Parameters
+    ----------
+    particles : pandas.DataFrame
+        particle, x, y, z (m) at ``time``.
+    depth : ndarray, shape (nx, nz)
+        Wear depth of the facets at ``time``, mm.
+    time : float
+        s.
+    case : mapping
+        Arguments of `abradem.Case`.
+    setup : Setup
+    """
+    with style.style():
+        figure = Figure(figsize=(style.PAGE, HEIGHT))
+        power = style.decade(float(depth.max()))
+        top = max(float(depth.max()), 1e-300)
+        plate = worn_plate(depth, top, case, setup)
+        patch = factory_patch(case, setup)
+        scene = figure.add_axes(_PICTURE)
+        camera = _camera(plate, patch, scene)
+        image = picture(
+            camera, plate, particles[["x", "y", "z"]].to_numpy(), case["particle_radius"], patch,
+            tints=stone_tints(particles["particle"]),
+        )  # fmt: skip
+        scene.imshow(image, interpolation="none")
+        scene.set_axis_off()
+        scene.set_xlim(0, camera.width)
+        scene.set_ylim(camera.height, 0)
+        _annotate(scene, camera, plate, patch, case, setup)
+        call_out = figure.add_axes(_MAP)
+        mesh = wear_map_panel(call_out, depth / 10.0**power, top / 10.0**power, setup)
+        bar = figure.colorbar(mesh, cax=call_out.inset_axes([1.05, 0.0, 0.055, 1.0]))
+        bar.outline.set_linewidth(0.6)
+        bar.set_label(f"Wear depth ({style.scaled_unit(power, 'mm')})")
+        call_out.set_title(f"{style.letter(1)} wear after {time:.3g} s", loc="left")
+        scene.text(
+            0.01, 0.985, f"{style.letter(0)} set-up at {time:.3g} s", transform=scene.transAxes,
+            va="top", fontsize=8.0,
+        )  # fmt: skip
+        scene.plot(*camera.project(plate.point(0.93, 0.0)).T, "o", ms=2.5, color=style.GREY)
+        figure.add_artist(
+            ConnectionPatch(
+                camera.project(plate.point(0.93, 0.0))[0],
+                (0.0, 1.0),
+                "data",
+                "axes fraction",
+                axesA=scene,
+                axesB=call_out,
+                color=style.GREY,
+                lw=0.7,
+            )
+        )
+        figure.text(
+            0.5, 0.012, _words(particles, case, setup), ha="center", va="bottom", fontsize=6.5,
+            color=style.GREY,
+        )  # fmt: skip
+    return figure
+
+
+def worn_plate(depth: np.ndarray, top: float, case: Mapping[str, float], setup: Setup) -> Plate:
+    """The plate coloured by its wear, yellow to red up to ``top`` (mm)."""
+    colours = mpl.colormaps[style.WEAR_MAP](np.clip(depth / top, 0.0, 1.0))[..., :3]
+    return Plate(setup.plate_length, setup.plate_width, case["plate_angle"], colours)
+
+
+def factory_patch(case: Mapping[str, float], setup: Setup) -> Patch:
+    """The patch from which the stones come."""
+    return Patch(setup.patch_length, setup.patch_width, setup.fall_height, case["factory_angle"])
+
+
+def stone_tints(identities) -> np.ndarray:
+    """Brightness of stones: a little different from one to the next, so that they tell apart."""
+    golden = 0.618034
+    return 1.1 + 0.3 * (np.asarray(identities) * golden % 1.0)
+
+
+def wear_map_panel(panel: Axes, depth: np.ndarray, top: float, setup: Setup):
+    """Map of the plate in its own plane; returns the coloured mesh."""
+    x = 1e3 * np.linspace(-0.5, 0.5, depth.shape[0] + 1) * setup.plate_length
+    z = 1e3 * np.linspace(-0.5, 0.5, depth.shape[1] + 1) * setup.plate_width
+    mesh = panel.pcolormesh(x, z, depth.T, cmap=style.WEAR_MAP, vmin=0.0, vmax=top, rasterized=True)
+    panel.set_aspect("equal")
+    panel.spines[["top", "right"]].set_visible(True)
+    for axis in (panel.xaxis, panel.yaxis):
+        axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+    panel.set_xlabel("Up the slope (mm)")
+    panel.set_ylabel("Across (mm)")
+    return mesh
+
+
+def _camera(plate: Plate, patch: Patch, scene: Axes) -> Camera:
+    """An eye that sees the whole plate and the patch, and pixels enough for print."""
+    box = scene.get_window_extent()
+    scale = style.DPI / scene.figure.dpi
+    width, height = round(box.width * scale), round(box.height * scale)
+    shown = np.array(
+        [*patch.corners(), *(plate.point(i, j) for i in (-1.0, 1.0) for j in (-1.0, 1.0))]
+    )
+    target = 0.5 * (shown.min(axis=0) + shown.max(axis=0))
+    eye = _EYE / np.linalg.norm(_EYE)
+    view = float(np.ptp(shown, axis=0).max())
+    camera = Camera(target + _DISTANCE * view * eye, target, view, width, height)
+    pixels = camera.project(shown)
+    # Move the middle of what is shown to the middle of the picture, then fit it.
+    right, up, _ = camera.axes
+    centre = 0.5 * (pixels.min(axis=0) + pixels.max(axis=0)) - 0.5 * np.array([width, height])
+    target = target + (centre[0] * right - centre[1] * up) * view / height
+    fill = np.ptp(pixels, axis=0) / np.array([width, height])
+    view *= _MARGIN * float(fill.max())
+    return Camera(target + _DISTANCE * view * eye, target, view, width, height)
+
+
+def _annotate(scene, camera, plate, patch, case, setup) -> None:
+    corner = plate.point(-1.0, 1.0, 0.0)
+    reach = 0.36 * plate.length
+    arc = [
+        corner + 0.8 * reach * tilted(angle) for angle in np.linspace(0.0, case["plate_angle"], 40)
+    ]
+    _line(scene, camera, [corner, corner + reach * tilted(0.0)], ls=":")
+    _line(scene, camera, arc)
+    _word(
+        scene, camera, corner + 0.95 * reach * tilted(0.45 * case["plate_angle"]),
+        f"{_symbol('plate_angle')} = {_number(case['plate_angle'])}°", ha="left",
+    )  # fmt: skip
+
+    corners = patch.corners()
+    _word(
+        scene, camera, corners[corners[:, 1].argmax()], f"factory, {_number(1e3 * patch.length)} × "
+        f"{_number(1e3 * patch.width)} mm, {_symbol('factory_angle')} = "
+        f"{_number(case['factory_angle'])}°",
+        ha="left", va="bottom", shift=(12, -1),
+    )  # fmt: skip
+
+    # The height of fall stands beside the jet, in the plane of the picture's middle.
+    foot = np.array([0.62 * plate.length * plate.along[0], 0.0, 0.0])
+    head = foot + np.array([0.0, setup.fall_height, 0.0])
+    for height, end in ((0.0, foot), (setup.fall_height, head)):
+        _line(scene, camera, [(0.0, height, 0.0), end], ls=":", color=style.GREY)
+    _arrow(scene, camera, foot, head, "<->")
+    _word(
+        scene, camera, 0.24 * foot + 0.76 * head,
+        f"$H$ = {_number(1e3 * setup.fall_height)} mm", ha="left", shift=(4, 0),
+    )  # fmt: skip
+
+    start = np.array([-0.75 * patch.length, 0.80 * setup.fall_height, 0.0])
+    speed = case["particle_velocity_y"]
+    _arrow(scene, camera, start + np.array([0.0, 0.22 * setup.fall_height, 0.0]), start, "->",
+           color=style.RED)  # fmt: skip
+    _word(
+        scene, camera, start + np.array([0.0, 0.08 * setup.fall_height, 0.0]),
+        f"{_symbol('particle_velocity_y')} = {_number(speed)} m/s", ha="right", shift=(-4, 0),
+        color=style.RED,
+    )  # fmt: skip
+    figure = scene.figure
+    scene.annotate(
+        "", xy=(0.64, 0.84), xytext=(0.64, 0.96), xycoords="figure fraction",
+        arrowprops={"arrowstyle": "->", "lw": 0.9, "shrinkA": 0, "shrinkB": 0},
+        annotation_clip=False,
+    )  # fmt: skip
+    figure.text(0.652, 0.90, "$g$", fontsize=8.0, va="center")
+    middle = plate.point(0.15, 1.0)
+    _word(
+        scene, camera, middle, f"plate, {_number(1e3 * plate.length)} × "
+        f"{_number(1e3 * plate.width)} mm", ha="left", va="top", shift=(8, -8),
+    )  # fmt: skip
+
+
+def _symbol(name: str) -> str:
+    return f"${quantity(name).tex}$"
+
+
+def _number(value: float) -> str:
+    return style.number(value, 4)
+
+
+def _line(scene, camera, points, color=style.BLACK, ls="-") -> None:
+    pixels = camera.project(points)
+    scene.plot(pixels[:, 0], pixels[:, 1], color=color, ls=ls, lw=0.8)
+
+
+def _arrow(scene, camera, start, end, kind, color=style.BLACK) -> None:
+    tail, tip = camera.project([start, end])
+    scene.annotate(
+        "", xy=tip, xytext=tail,
+        arrowprops={"arrowstyle": kind, "lw": 0.9, "color": color, "shrinkA": 0, "shrinkB": 0},
+    )  # fmt: skip
+
+
+def _word(scene, camera, place, words, ha, va="center", shift=(0, 0), color=style.BLACK) -> None:
+    scene.annotate(
+        words, xy=camera.project(place)[0], xytext=shift, textcoords="offset points", ha=ha,
+        va=va, fontsize=7.0, color=color,
+    )  # fmt: skip
+
+
+def _words(particles: pd.DataFrame, case: Mapping[str, float], setup: Setup) -> str:
+    rate = (
+        f"{setup.mass_rate:g} kg/s"
+        if setup.mass_rate is not None
+        else f"{setup.number_rate:g} stones per second"
+    )
+    return (
+        f"{len(particles)} stones of {_number(1e3 * case['particle_radius'])} mm radius, {rate}; "
+        "all other quantities in the middle of their ranges; "
+        f"{_symbol('archard_constant')} = {style.number(case['archard_constant'])} 1/Pa"
+    )

@@ -1,0 +1,58 @@
+"""The verification study at a glance: how much of its tolerance every check uses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from abradem.figures import style
+
+_LEAST = 1e-4
+"""Checks that use less of their tolerance stand at this end of the axis."""
+
+
+def verdicts_figure(margins: pd.DataFrame, parts: Mapping[int, str], holds: str) -> Figure:
+    """One dot for each check, by part of the study; right of the line it fails.
+
+    Parameters
+    ----------
+    margins : pandas.DataFrame
+        From `abradem.verification.margins.margins`.
+    parts : mapping of int to str
+        Names of the parts.
+    holds : str
+        Verdict of a check that is passed.
+    """
+    with style.style():
+        numbers = sorted(margins["part"].unique())
+        figure, (panel,) = style.panels(1, 1, 0.8 + 0.26 * len(numbers))
+        ticks = []
+        for place, number in enumerate(numbers):
+            rows = margins[margins["part"] == number].sort_values("used")
+            used = rows["used"].clip(lower=_LEAST).to_numpy()
+            good = (rows["verdict"] == holds).to_numpy()
+            # Spread across the row in turn, so that equal ones do not hide each other.
+            y = place + 0.26 * ((np.arange(len(rows)) * 0.618034) % 1.0 - 0.5) * 2.0
+            panel.plot(used[good], y[good], "o", ms=3.0, color=style.BLUE, alpha=0.6, mew=0)
+            panel.plot(used[~good], y[~good], "X", ms=5.0, color=style.RED)
+            ticks.append(f"{parts[int(number)]}: {int(good.sum())} of {len(rows)}")
+        panel.axvline(1.0, color=style.BLACK, ls="--", lw=0.9)
+        panel.set_xscale("log")
+        panel.set_xlim(0.8 * _LEAST, max(2.0, 1.3 * float(margins["used"].max())))
+        panel.set_yticks(range(len(ticks)), ticks)
+        panel.set_ylim(len(ticks) - 0.5, -0.5)
+        panel.tick_params(axis="y", length=0)
+        panel.grid(axis="x", color=style.LIGHT_GREY, lw=0.5)
+        panel.set_axisbelow(True)
+        panel.set_xlabel("Share of the tolerance used")
+        count = int((margins["verdict"] == holds).sum())
+        style.caption(
+            figure,
+            f"{count} of {len(margins)} checks hold; difference from the reference over the "
+            "tolerance, of a bound the number over it; dashed: the limit; checks that use less "
+            f"than {_LEAST:g} stand on the left edge",
+        )
+    return figure

@@ -1,0 +1,70 @@
+"""Pictures to a film: H.264 in MP4, by the ffmpeg that imageio-ffmpeg carries."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+
+class MovieError(ValueError):
+    """A film that cannot be made; the message is one line."""
+
+
+def require_encoder():
+    """The module that carries the encoder; raises `MovieError` if it is not installed."""
+    try:
+        import imageio_ffmpeg
+    except ModuleNotFoundError:
+        raise MovieError(
+            "films need the package imageio-ffmpeg: pip install -e '.[movie]'"
+        ) from None
+    return imageio_ffmpeg
+
+
+def write_movie(frames: Iterable[np.ndarray], path: str | Path, per_second: int) -> np.ndarray:
+    """Write frames as MP4, complete or not at all, and return the last one.
+
+    Parameters
+    ----------
+    frames : iterable of ndarray of uint8, shape (height, width, 3)
+        All alike, height and width even.
+    path : path-like
+    per_second : int
+        Frames per second.
+
+    Raises
+    ------
+    MovieError
+        If the encoder is not installed, or there are no frames.
+    """
+    encoder = require_encoder()
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.tmp.mp4")
+    sink, last = None, None
+    try:
+        for frame in frames:
+            if sink is None:
+                height, width = frame.shape[:2]
+                sink = encoder.write_frames(
+                    str(temporary), (width, height), fps=per_second, codec="libx264", quality=None,
+                    pix_fmt_out="yuv420p", macro_block_size=2,
+                    # One thread and no time stamps: the same frames give the same bytes.
+                    output_params=["-crf", "20", "-preset", "medium", "-threads", "1",
+                                   "-fflags", "+bitexact", "-movflags", "+faststart"],
+                )  # fmt: skip
+                sink.send(None)
+            sink.send(frame)
+            last = frame
+        if sink is None:
+            raise MovieError(f"{path}: there are no frames")
+        sink.close()
+        os.replace(temporary, path)
+    finally:
+        if sink is not None:
+            sink.close()
+        temporary.unlink(missing_ok=True)
+    return last

@@ -1,0 +1,335 @@
+PHYSICAL, NOISE, SURROGATE = LEARNING.physical, LEARNING.noise, LEARNING.surrogate
+# What of the set-up stands in the dimensionless groups.
+JET = {
+    name: SETUP[name]
+    for name in (
+        "fall_height",
+        "gravity",
+        "mass_rate",
+        "number_rate",
+        "plate_length",
+        "plate_width",
+        "patch_length",
+        "patch_width",
+    )
+}
+FAMILIES = {
+    "boosting": {"trees": PHYSICAL.boosting_trees, "depth": PHYSICAL.boosting_depth},
+    "networks": {"members": PHYSICAL.networks, "steps": PHYSICAL.network_steps},
+}
+REPLICATE_PARTS = range(4)
+
+
+localrules:
+    models,
+
+
+rule models:
+    input:
+        rules.scores.output.comparison,
+        f"{RESULTS}/models/surrogate.json",
+        f"{RESULTS}/learning/physical.json",
+        f"{RESULTS}/learning/targets.parquet",
+        f"{RESULTS}/models/findings.html",
+
+
+rule physical:
+    input:
+        rules.dataset.output,
+    output:
+        scores=f"{RESULTS}/learning/physical_scores.parquet",
+        predictions=f"{RESULTS}/learning/physical_predictions.parquet",
+        exponents=f"{RESULTS}/learning/power_law.parquet",
+        summary=report(
+            f"{RESULTS}/learning/physical.json",
+            caption="../report/physical.rst",
+            category="Models",
+            labels={
+                "model": "on dimensionless groups",
+                "content": "power law, scores",
+            },
+        ),
+        process=f"{RESULTS}/models/gaussian_process.json",
+        process_arrays=f"{RESULTS}/models/gaussian_process.safetensors",
+    log:
+        f"{LOGS}/physical.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        setup=JET,
+        table=LEARNED_FROM,
+        models=FAMILIES,
+        options={**SPLITS, "confidence": LEARNING.confidence},
+        code=CODE["physical"],
+    script:
+        "../scripts/physical.py"
+
+
+rule intervals:
+    input:
+        rules.dataset.output,
+    output:
+        calibration=f"{RESULTS}/learning/calibration.parquet",
+        summary=f"{RESULTS}/learning/intervals.json",
+    log:
+        f"{LOGS}/intervals.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        setup=JET,
+        table=LEARNED_FROM,
+        options={"fold_count": PHYSICAL.interval_folds, "seed": CONFIG.seed},
+        code=CODE["intervals"],
+    script:
+        "../scripts/intervals.py"
+
+
+rule surrogate:
+    input:
+        dataset=rules.dataset.output[0],
+        process=rules.physical.output.process_arrays,
+        intervals=rules.intervals.output.summary,
+    output:
+        model=report(
+            f"{RESULTS}/models/surrogate.json",
+            caption="../report/surrogate.rst",
+            category="Models",
+            labels={"model": "surrogate", "content": "of abradem predict"},
+        ),
+        model_arrays=f"{RESULTS}/models/surrogate.safetensors",
+        scores=f"{RESULTS}/learning/surrogate_scores.parquet",
+        predictions=f"{RESULTS}/learning/surrogate_predictions.parquet",
+    log:
+        f"{LOGS}/surrogate.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        setup=JET,
+        table=LEARNED_FROM,
+        settings=SURROGATE.model_dump(include={"points", "hidden", "epochs"}),
+        splits={**SPLITS, "repeats": min(SURROGATE.repeats, LEARNING.repeats)},
+        options={"confidence": LEARNING.confidence, "seed": CONFIG.seed},
+        code=CODE["surrogate"],
+    script:
+        "../scripts/surrogate.py"
+
+
+rule sensitivity:
+    input:
+        dataset=rules.dataset.output[0],
+        process=rules.physical.output.process_arrays,
+    output:
+        indices=f"{RESULTS}/learning/sobol.parquet",
+        falls=f"{RESULTS}/learning/permutation.parquet",
+        dependence=f"{RESULTS}/learning/dependence.parquet",
+        summary=f"{RESULTS}/learning/sensitivity.json",
+    log:
+        f"{LOGS}/sensitivity.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        setup=JET,
+        table=LEARNED_FROM,
+        sobol={
+            "points": PHYSICAL.sobol_points,
+            "confidence": LEARNING.confidence,
+            "seed": CONFIG.seed,
+        },
+        splits={**SPLITS, "repeats": PHYSICAL.target_repeats},
+        code=CODE["sensitivity"],
+    script:
+        "../scripts/sensitivity.py"
+
+
+rule reach:
+    input:
+        rules.dataset.output,
+    output:
+        curve=f"{RESULTS}/learning/learning_curve.parquet",
+        extrapolation=f"{RESULTS}/learning/extrapolation.parquet",
+        targets=f"{RESULTS}/learning/targets.parquet",
+    log:
+        f"{LOGS}/reach.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        setup=JET,
+        table=LEARNED_FROM,
+        models=FAMILIES,
+        curve={
+            **SPLITS,
+            "repeats": PHYSICAL.curve_repeats,
+            "confidence": LEARNING.confidence,
+        },
+        targets={
+            **SPLITS,
+            "repeats": PHYSICAL.target_repeats,
+            "confidence": LEARNING.confidence,
+        },
+        code=CODE["reach"],
+    script:
+        "../scripts/reach.py"
+
+
+if SIMULATED:
+
+    # The same parts on every machine, so that the number of cores changes nothing.
+    rule replicates:
+        input:
+            rules.join_cases.output,
+        output:
+            f"{RESULTS}/replicates/part-{{part}}.parquet",
+        log:
+            f"{LOGS}/replicates/part-{{part}}.log",
+        wildcard_constraints:
+            part=r"\d+",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            setup=SETUP,
+            cases=NOISE.cases,
+            replicates=NOISE.replicates,
+            part=lambda wildcards: [int(wildcards.part), len(REPLICATE_PARTS)],
+            min_batches=CONFIG.wear_rate.min_batches,
+            code=CODE["replicates"],
+        script:
+            "../scripts/replicates.py"
+
+    rule noise_floor:
+        input:
+            replicates=expand(rules.replicates.output, part=REPLICATE_PARTS),
+            dataset=rules.dataset.output[0],
+        output:
+            per_case=f"{RESULTS}/learning/noise.parquet",
+            summary=f"{RESULTS}/learning/noise_floor.json",
+        log:
+            f"{LOGS}/noise_floor.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            confidence=LEARNING.confidence,
+            code=CODE["noise_floor"],
+        script:
+            "../scripts/noise_floor.py"
+
+    # Timed in one job, one after the other.
+    rule speed_up:
+        input:
+            dataset=rules.dataset.output[0],
+            surrogate=rules.surrogate.output.model,
+            arrays=rules.surrogate.output.model_arrays,
+        output:
+            report(
+                f"{RESULTS}/learning/speed_up.json",
+                caption="../report/speed_up.rst",
+                category="Models",
+                labels={"model": "surrogate", "content": "speed"},
+            ),
+        log:
+            f"{LOGS}/speed_up.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            options={
+                "count": SURROGATE.timed_cases,
+                "setup": SETUP,
+                "seed": CONFIG.seed,
+            },
+            code=CODE["speed_up"],
+        script:
+            "../scripts/speed_up.py"
+
+
+# Replicates tell the noise of the headline alone.
+NOISE_SUMMARY = (
+    rules.noise_floor.output.summary
+    if SIMULATED and LEARNING.target == "wear_total_mean"
+    else []
+)
+
+
+rule findings:
+    input:
+        physical=rules.physical.output.summary,
+        intervals=rules.intervals.output.summary,
+        surrogate=rules.surrogate.output.model,
+        sensitivity=rules.sensitivity.output.summary,
+        curve=rules.reach.output.curve,
+        extrapolation=rules.reach.output.extrapolation,
+        noise=NOISE_SUMMARY,
+        speed=rules.speed_up.output[0] if SIMULATED else [],
+    output:
+        report(
+            f"{RESULTS}/models/findings.html",
+            caption="../report/findings.rst",
+            category="Models",
+            labels={"model": "on dimensionless groups", "content": "findings"},
+        ),
+    log:
+        f"{LOGS}/findings.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        table=CONFIG.study,
+        code=CODE["findings"],
+    script:
+        "../scripts/findings.py"
+
+
+rule figure_models:
+    input:
+        comparison=rules.scores.output.comparison,
+        calibration=rules.intervals.output.calibration,
+        curve=rules.reach.output.curve,
+        indices=rules.sensitivity.output.indices,
+        exponents=rules.physical.output.exponents,
+        noise=NOISE_SUMMARY,
+    output:
+        figure_files("models", "models on one page"),
+    log:
+        f"{LOGS}/figure_models.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        table=CONFIG.study,
+        formats=FORMATS,
+        code=CODE["figure_models"],
+    script:
+        "../scripts/figure_models.py"
+
+
+rule figure_sensitivity:
+    input:
+        indices=rules.sensitivity.output.indices,
+        falls=rules.sensitivity.output.falls,
+        dependence=rules.sensitivity.output.dependence,
+    output:
+        figure_files("sensitivity", "sensitivity"),
+    log:
+        f"{LOGS}/figure_sensitivity.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        table=CONFIG.study,
+        formats=FORMATS,
+        code=CODE["figure_sensitivity"],
+    script:
+        "../scripts/figure_sensitivity.py"
+
+
+rule figure_reach:
+    input:
+        extrapolation=rules.reach.output.extrapolation,
+        targets=rules.reach.output.targets,
+    output:
+        figure_files("reach", "extrapolation and every target"),
+    log:
+        f"{LOGS}/figure_reach.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        table=CONFIG.study,
+        formats=FORMATS,
+        code=CODE["figure_reach"],
+    script:
+        "../scripts/figure_reach.py"
