@@ -81,6 +81,7 @@ def main(path: Path) -> None:
     setup = Setup(
         plate_length=0.1, plate_width=0.1, patch_length=0.05, patch_width=0.05, fall_height=0.1,
         removal_depth=0.03, mass_rate=None, number_rate=60.0, duration=0.25,
+        time_step_fraction=0.2,
     )  # fmt: skip
     case = replace(stone(0.01, 5.0), particle_velocity_y=-1.0, restitution=0.3)
     spans, contacts = watched(case, setup)

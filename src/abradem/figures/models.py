@@ -15,15 +15,6 @@ from abradem.figures import style
 from abradem.figures.words import HONEST, MODELS, minus
 from abradem.parameters import quantity
 
-PHYSICAL = {
-    "power_law": "power law",
-    "networks": "network ensemble",
-    "boosting": "boosting",
-    "gaussian_process": "Gaussian process",
-    "surrogate": "surrogate (distilled)",
-}
-"""What figures call the models on dimensionless groups."""
-
 COLOURS = {
     "power_law": style.GREEN,
     "networks": style.PURPLE,
@@ -31,6 +22,9 @@ COLOURS = {
     "gaussian_process": style.BLUE,
     "surrogate": style.SKY,
 }
+"""The models on dimensionless groups."""
+
+PHYSICAL = {name: MODELS[name] for name in COLOURS}
 SHOWN_OTHERS = ("linear", "ridge", "tree", "forest", "ga_ann")
 LEAST = 1e-4
 """Unexplained share at which axes end."""

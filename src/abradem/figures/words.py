@@ -21,10 +21,10 @@ MODELS = {
     "paper_net": "449-24-500-385 net",
     "ga_ann": "GA-ANN",
     "power_law": "power law",
-    "boosting": "boosting on groups",
-    "networks": "networks on groups",
+    "boosting": "boosting",
+    "networks": "network ensemble",
     "gaussian_process": "Gaussian process",
-    "surrogate": "surrogate",
+    "surrogate": "surrogate (distilled)",
 }
 
 

@@ -14,8 +14,12 @@ from abradem.verification.table import Check, checks_table
 from abradem.wear_rate import facet_rates
 
 PART = 5
-REPLICATES = 240
-_FIXED = 10.0
+REPLICATES = 480
+STOPPED = 240
+_FIXED = 20.0
+"""s. Stones come evenly, which makes the error of a run too large by a share that falls with its
+length: 4 % at 10 s, where 96.2 % of 1920 intervals hold the mean."""
+
 _BATCHES = 20
 _CASE = {"plate_angle": 30.0, "particle_radius": 0.015}
 _FEW = {"plate_angle": 50.0, "particle_radius": 0.03}
@@ -35,7 +39,7 @@ def fixed_runs(replicates: int = REPLICATES, case: dict = _CASE) -> pd.DataFrame
     return frame
 
 
-def stopped_runs(replicates: int = REPLICATES) -> pd.DataFrame:
+def stopped_runs(replicates: int = STOPPED) -> pd.DataFrame:
     """Rate of runs that the stop rule ended, and the facet statistics of their windows."""
     rows = []
     for seed in range(replicates):
@@ -119,11 +123,11 @@ def extreme_checks(stopped: pd.DataFrame, table: pd.DataFrame) -> list[Check]:
     return found
 
 
-def study(replicates: int = REPLICATES) -> dict[str, pd.DataFrame]:
+def study() -> dict[str, pd.DataFrame]:
     """Return the tables of this part."""
-    fixed, stopped = fixed_runs(replicates), stopped_runs(replicates)
+    fixed, stopped = fixed_runs(), stopped_runs()
     table = extremes(stopped)
-    found = checks(fixed, stopped, fixed_runs(replicates, _FEW)) + extreme_checks(stopped, table)
+    found = checks(fixed, stopped, fixed_runs(STOPPED, _FEW)) + extreme_checks(stopped, table)
     return {
         "checks": checks_table(PART, found),
         "replicates": fixed,
