@@ -93,9 +93,9 @@ def main(path: Path) -> None:
 
 
 def zooms_of(contacts: pd.DataFrame, duration: float):
-    """All of the time, the 20 ms with most contacts between stones, the busiest 2 ms of these."""
+    """All of the time, the 20 ms with most contacts between stones, the busiest 1 ms of these."""
     zooms = [(0.0, duration)]
-    for width in (20e-3, 2e-3):
+    for width in (20e-3, 1e-3):
         low, high = zooms[-1]
         begins = contacts["begin"].to_numpy()
         begins = begins[(begins >= low) & (begins < high)]

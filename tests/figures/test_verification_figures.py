@@ -45,6 +45,10 @@ def test_chung_ooi_has_the_exact_branch(number):
 def test_coverage_counts_the_intervals_that_miss():
     rng = np.random.default_rng(1)
     rates = pd.DataFrame(
-        {"rate": rng.normal(1.0, 0.1, 50), "rate_stderr": 0.1, "covered": [1.0] * 47 + [0.0] * 3}
+        {
+            "value": rng.normal(1.0, 0.1, 50),
+            "relative_stderr": 0.1,
+            "covered": [1.0] * 47 + [0.0] * 3,
+        }
     )
     assert "interval misses the mean (3)" in labels(FIGURES["coverage"](rates))

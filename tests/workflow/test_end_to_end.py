@@ -96,7 +96,7 @@ class Project:
         return subprocess.run(
             self.command(*arguments, overlays=overlays),
             cwd=self.root, env={**self.environment, **environment}, text=True, check=False,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=900,
         )  # fmt: skip
 
     def run(self, *arguments, overlays=(SMOKE,)):

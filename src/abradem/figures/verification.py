@@ -278,20 +278,19 @@ def coverage_figure(replicates: pd.DataFrame) -> Figure:
     """Rates of replicates with their standard errors, and those that miss the mean."""
     with style.style():
         figure, (panel,) = style.panels(1, 1, 2.2, style.PAGE)
-        ordered = replicates.sort_values("rate").reset_index(drop=True)
-        mean = ordered["rate"].mean()
+        ordered = replicates.sort_values("value").reset_index(drop=True)
         for held, colour in ((1.0, style.BLUE), (0.0, style.RED)):
             one = ordered[ordered["covered"] == held]
             panel.errorbar(
-                one.index, one["rate"] / mean, 2.093 * one["rate_stderr"] / mean, fmt=".",
+                one.index, one["value"], 2.093 * one["relative_stderr"], fmt=".",
                 color=colour, ms=2, lw=0.5,
                 label=f"interval {'holds' if held else 'misses'} the mean ({len(one)})",
             )  # fmt: skip
         panel.axhline(1.0, color=style.BLACK, lw=0.7)
         panel.set_xlabel("Replicate, by its rate")
-        panel.set_ylabel("Rate over mean of all")
+        panel.set_ylabel("Rate over the mean of its case")
         panel.set_title("95 % intervals of batch means", loc="left")
-        return _finish(figure, [panel], "one jet, replicates differ in the seed")
+        return _finish(figure, [panel], "twelve jets, whose replicates differ in the seed")
 
 
 _SHOWN_ANGLES = (0.0, 10.0, 20.0, 30.0, 45.0)
