@@ -458,6 +458,7 @@ def save(table, path):
 
 def main(folder, names):
     """Run the codes that are installed and write their tables."""
+    Path(folder).mkdir(parents=True, exist_ok=True)
     tables = {"single_impacts": [], "jets": [], "forces": []}
     for name in names:
         found = CODES[name]()
