@@ -16,6 +16,8 @@ set to a value for all.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import pandas as pd
@@ -40,6 +42,17 @@ def predicted_wear(process: GaussianProcess, given: Problem, inputs: np.ndarray)
     """Wear depth rate, mm/s, of the sampled quantities (n, 14)."""
     values = dict(zip(SAMPLED_NAMES, inputs.T, strict=True))
     return wear_scale(values, given.jet) * np.exp(process.predict(group_matrix(values, given.jet)))
+
+
+@contextmanager
+def _global_seed(seed: int) -> Iterator[None]:
+    """numpy's global generator at a seed, put back afterwards: scipy's bootstrap takes no other."""
+    before = np.random.get_state()  # noqa: NPY002
+    np.random.seed(seed % 2**32)  # noqa: NPY002
+    try:
+        yield
+    finally:
+        np.random.set_state(before)  # noqa: NPY002
 
 
 def sobol(
@@ -88,7 +101,7 @@ def sobol(
         dists=[stats.uniform(low[k], high[k] - low[k]) for k in varies],
         rng=np.random.default_rng(seed),
     )
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), _global_seed(seed):
         # A quantity without any effect has no scatter to draw an interval from.
         warnings.simplefilter("ignore")
         spread = found.bootstrap(confidence_level=confidence, n_resamples=resamples)
