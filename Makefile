@@ -14,10 +14,10 @@ FILES := config.yaml $(filter-out config.yaml,$(STUDY))
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup run verify bench test lint clean
+.PHONY: help setup run verify bench slurm-demo test lint clean
 
 help: ## this list
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
 
 setup: $(STAMP) ## the environment .venv with everything in it
 
@@ -40,6 +40,9 @@ verify: $(STAMP) ## the engine against what is known: results/verification/resul
 bench: $(STAMP) ## the engine timed against other codes: make bench ARGS="A B --clock cpu"
 	$(BIN)/python benchmarks/speed.py --table results/benchmarks/speed.csv $(ARGS)
 	$(if $(ARGS),,$(BIN)/python benchmarks/cost.py results/benchmarks)
+
+slurm-demo: $(STAMP) ## the smoke study on a real Slurm of two nodes, where one is installed
+	@$(BIN)/python profiles/slurm/demo.py $(ARGS)
 
 test: $(STAMP) ## all tests
 	$(BIN)/python -m pytest

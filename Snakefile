@@ -15,8 +15,25 @@ try:
 except ModuleNotFoundError as error:
     sys.exit(
         f"{error.name} is not installed in {sys.executable}: "
-        f"run `make setup`, or `pip install -e .` in {workflow.basedir}"
+        f"run `make setup`, or `pip install -e .` in {workflow.current_basedir}"
     )
+
+if not workflow.current_basedir.is_local:
+    sys.exit(
+        "abradem needs files beside its Snakefile: import it from a clone, not from "
+        f"{workflow.current_basedir.get_path_or_uri(secret_free=True)}"
+    )
+
+# The folder of this file; another workflow may import it as a module, with a configuration.
+HOME = Path(workflow.current_basedir)
+IN_MODULE = Path(workflow.main_snakefile).resolve() != Path(HOME, "Snakefile").resolve()
+
+try:
+    if not IN_MODULE:
+        # Snakemake's reader of configurations runs templates (yte), this one nothing.
+        abradem.config.refuse_all_but_data("config.yaml")
+except abradem.config.ConfigError as error:
+    sys.exit(str(error))
 
 
 configfile: "config.yaml"
@@ -57,6 +74,12 @@ include: "workflow/rules/report.smk"
 include: "workflow/rules/verification.smk"
 
 
+if SIMULATED:
+
+    # The table of somebody else is not ours to publish.
+    include: "workflow/rules/publish.smk"
+
+
 localrules:
     all,
     verification,
@@ -75,13 +98,19 @@ rule all:
 
 
 onstart:
+    if not RUN_LOCK.take():
+        sys.exit(
+            f"{RESULTS}: {RUN_LOCK.holder()} is at work here; wait for its end"
+        )
     print(abradem.config.estimate(CONFIG, workflow.cores), file=sys.stderr)
     MONITOR.start(to_simulate(workflow.dag.needrun_jobs()))
 
 
 onsuccess:
     MONITOR.stop()
+    RUN_LOCK.release()
 
 
 onerror:
     MONITOR.stop()
+    RUN_LOCK.release()

@@ -249,7 +249,7 @@ MALFORMED = {
     ),
     "time_step_in_percent": (
         "study: a\nsimulation:\n  time_step_rayleigh_fraction: 20\n",
-        "config.yaml: simulation.time_step_rayleigh_fraction: 20: is out of range (allowed above 0 up to 0.4)",
+        "config.yaml: simulation.time_step_rayleigh_fraction: 20: is out of range (allowed 0.001 ... 0.4)",
     ),
     "particle_wider_than_the_plate": (
         "study: a\nsimulation:\n  plate:\n    length_mm: 60\n",
@@ -358,6 +358,54 @@ MALFORMED = {
     "merge_key": (
         "study: a\n<<: {seed: 3}\n",
         "config.yaml: line 2: a key must be a plain word",
+    ),
+    "anchors_that_stand_for_millions": (
+        "study: a\na: &a [0, 0, 0, 0, 0, 0, 0, 0, 0, 0]\n"
+        + "".join(
+            f"{to}: &{to} [{', '.join([f'*{of}'] * 10)}]\n"
+            for of, to in ("ab", "bc", "cd", "de", "ef")
+        ),
+        "config.yaml: line 2: holds more than 20000 values",
+    ),
+    "thousands_of_brackets": (
+        "study: " + "[" * 5000,
+        "config.yaml: nested more than 8 levels deep",
+    ),
+    "larger_than_any_configuration": (
+        "study: a\n" + "# more\n" * 200_000,
+        "config.yaml: is larger than 1000 kB",
+    ),
+    "template_that_would_run_code": (
+        "__use_yte__: true\nstudy: ?open('x', 'w')\n",
+        """config.yaml: study: "?open('x', 'w')": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)\nconfig.yaml: __use_yte__: true: unknown key (allowed study, seed, sampling, simulation, wear_rate, dataset, features, learning, figures, publish)""",
+    ),
+    "more_cases_than_there_is_time_for": (
+        "study: a\nsampling:\n  blocks: 10000\n  cases_per_block: 100000\n",
+        "config.yaml: sampling.blocks: 10000: makes 1000000000 cases with 100000 in a block (allowed up to 1000000 cases in all)",
+    ),
+    "more_jobs_than_a_workflow_holds": (
+        "study: a\nsampling:\n  blocks: 10\n  cases_per_block: 10000\nsimulation:\n  cases_per_job: 1\n",
+        "config.yaml: simulation.cases_per_job: 1: makes 100000 simulation jobs (allowed up to 20000; take more cases per job, or fewer and larger blocks)",
+    ),
+    "more_samples_than_a_series_holds": (
+        "study: a\nsimulation:\n  stop:\n    sample_interval_s: 0.00001\n",
+        "config.yaml: simulation.stop.sample_interval_s: 1.0e-05: gives more than 100000 samples in max_time_s (allowed from 0.0006 s)",
+    ),
+    "maps_that_fill_the_memory": (
+        "study: a\nsimulation:\n  plate:\n    facet_size_mm: 0.5\n  stop:\n    max_time_s: 25000\n    sample_interval_s: 0.25\n",
+        "config.yaml: simulation.plate.facet_size_mm: 0.5: with 360000 facets, 50000 maps of a case would fill the memory; take larger facets, a longer window or a shorter max_time_s (allowed 4 GB)",
+    ),
+    "step_that_never_ends": (
+        "study: a\nsimulation:\n  time_step_rayleigh_fraction: 1.0e-9\n",
+        "config.yaml: simulation.time_step_rayleigh_fraction: 1.0e-09: is out of range (allowed 0.001 ... 0.4)",
+    ),
+    "name_taken_by_the_benchmarks": (
+        "study: Benchmarks\n",
+        'config.yaml: study: "Benchmarks": is taken by the results of make bench (allowed: another name)',
+    ),
+    "table_that_the_study_itself_writes": (
+        "study: a\ndataset:\n  external: results/a/dataset.parquet\n",
+        'config.yaml: dataset.external: "results/a/dataset.parquet": is a result of this very study (allowed: a file elsewhere, or another study)',
     ),
     "number_beyond_double_precision": (
         "study: a\nsimulation:\n  gravity: 1" + "0" * 400 + "\n",

@@ -4,6 +4,7 @@ import io
 import logging
 import os
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -90,6 +91,16 @@ def test_the_time_left_follows_the_rate_of_this_run(study, monkeypatch):
     monkeypatch.setattr(time, "monotonic", lambda: now + 60.0)
     study.run("a", finished=2)
     assert study.monitor.line() == "simulations: 6 of 12 cases done, about 3 min left"
+
+
+def test_the_time_left_counts_what_the_shards_cost(study, monkeypatch):
+    for name, work in (("a", 90.0), ("b", 30.0)):
+        study.shards[name] = replace(study.shards[name], work=work)
+    study.begin()
+    now = time.monotonic()
+    monkeypatch.setattr(time, "monotonic", lambda: now + 60.0)
+    study.end("a")
+    assert study.monitor.line() == "simulations: 8 of 12 cases done, about 20 s left"
 
 
 def test_the_last_line_says_how_long_it_took(study):

@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+import threading
+import time
 
 import numpy as np
 import pandas as pd
@@ -116,10 +118,32 @@ def test_what_the_engine_refuses_is_a_status_and_the_others_go_on(engine, tmp_pa
     assert tables["runs"]["status"].tolist() == ["ok", "refused: step too long", "ok", "ok"]
 
 
-def test_an_unforeseen_failure_names_its_case(engine, tmp_path):
+def test_numbers_that_fail_are_a_status_and_the_others_go_on(engine, tmp_path):
     engine.fails_at, engine.error = 3, ZeroDivisionError("division by zero")
-    with pytest.raises(RuntimeError, match=r"^case 2: division by zero"):
+    tables = run(tmp_path)
+    failed = "failed: ZeroDivisionError: division by zero"
+    assert tables["runs"]["status"].tolist() == ["ok", "ok", failed, "ok"]
+    assert set(tables["series"]["case_id"]) == {0, 1, 3}
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (MemoryError(), "case 1: too little memory: MemoryError"),
+        (KeyError("unforeseen"), "case 1: 'unforeseen'"),
+    ],
+)
+def test_what_another_attempt_may_mend_becomes_no_result(engine, tmp_path, error, line):
+    engine.fails_at, engine.error = 2, error
+    with pytest.raises(RuntimeError) as raised:
         run(tmp_path)
+    assert str(raised.value) == line
+    assert not list(tmp_path.glob("*.parquet"))
+    # The other cases are kept, so that only the one is repeated.
+    assert len(engine.calls) == 4
+    engine.fails_at = None
+    tables = run(tmp_path)
+    assert len(engine.calls) == 5 and (tables["runs"]["status"] == "ok").all()
 
 
 def test_tables_hold_what_the_simulation_returned(engine, tmp_path):
@@ -180,6 +204,42 @@ def test_a_case_half_written_is_simulated_again(engine, tmp_path):
     engine.fails_at = None
     run(tmp_path)
     assert len(engine.calls) == 4
+
+
+def test_a_damaged_kept_case_is_simulated_again(engine, tmp_path):
+    engine.fails_at = 3
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path)
+    (maps, *_) = (tmp_path / ".finished" / "shard").glob("*.maps.parquet")
+    # As a machine that lost its power may leave it.
+    maps.write_bytes(b"")
+    engine.calls.clear()
+    engine.fails_at = None
+    tables = run(tmp_path)
+    assert len(engine.calls) == 3 and len(tables["runs"]) == 4
+
+
+def test_two_processes_at_the_same_shard_take_turns(engine, tmp_path):
+    """The second starts while the first is at work, as after a kill that left a job alive."""
+    turns = []
+    simulate = abradem.dem.simulate
+
+    def slow(case, setup):
+        turns.append(threading.get_ident())
+        time.sleep(0.02)
+        return simulate(case, setup)
+
+    abradem.dem.simulate = slow
+    threads = [threading.Thread(target=run, args=(tmp_path,)) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert turns == sorted(turns, key=turns.index) and len(turns) == 12
+    assert sorted(path.name for path in tmp_path.glob("*.parquet")) == [
+        "maps.parquet", "runs.parquet", "series.parquet",
+    ]  # fmt: skip
+    assert not list((tmp_path / ".finished").iterdir())
 
 
 def test_nothing_but_the_tables_is_left(engine, tmp_path):

@@ -121,6 +121,10 @@ def _check_config(options: argparse.Namespace) -> int:
     from abradem.config import estimate, read_config
 
     config = read_config(*(options.check or options.folder))
+    if config.dataset.external is not None:
+        from abradem.external import read_external
+
+        read_external(config.dataset.external, config.dataset.columns)
     print(estimate(config) if options.check else f"results/{config.study}")
     return 0
 

@@ -11,6 +11,7 @@ The module is light (pydantic and PyYAML), as the Snakefile imports it on every 
 from __future__ import annotations
 
 import difflib
+import itertools
 import json
 import math
 import os
@@ -45,6 +46,12 @@ STUDY_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 
 _DEEPEST = 8
 """Levels of nesting beyond which a file cannot be a configuration (or refers to itself)."""
+
+_LARGEST_FILE = 1_000_000
+"""Bytes of a file beyond which it cannot be a configuration."""
+
+_MOST_VALUES = 20_000
+"""Values beyond which a file cannot be a configuration; a few anchors can stand for billions."""
 
 _SHOWN = 60
 """Characters of a wrong value that are repeated in its line."""
@@ -352,7 +359,7 @@ class Simulation(_Section):
         "Time step as a share of the particle's Rayleigh time. At 0.15 an impact near 5 m/s takes "
         "about 21 steps, and total is biased by at most 0.8 % averaged over the angle of impact "
         "(sliding 1.0 %, friction 0.1 %); at the paper's 0.2 by 1.3 % (2.6 %, 0.2 %).",
-        gt=0.0,
+        ge=0.001,
         le=0.4,
     )
     plate: Plate = Field(default_factory=Plate, description="The plate that wears.")
@@ -374,6 +381,13 @@ class Simulation(_Section):
         None, "Contact between particles; null takes the sampled particle-plate values."
     )
     stop: Stop = Field(default_factory=Stop, description="When a simulation ends.")
+    max_failed_share: float = _key(
+        0.2,
+        "Largest share of the cases that may fail or be rejected; with more, no data set is made. "
+        "failures.parquet says why each failed.",
+        ge=0.0,
+        le=1.0,
+    )
     export: Export = Field(default_factory=Export, description="Snapshots of chosen cases.")
 
 
@@ -677,6 +691,40 @@ class Figures(_Section):
     movie: Movie = Field(default_factory=Movie, description="The film of snakemake movie.")
 
 
+class Publish(_Section):
+    """What `snakemake publish` says of the data set beyond what the study knows."""
+
+    title: str | None = _key(
+        None, "Title; null: made from the study's name.", allowed="null or text"
+    )
+    creators: Annotated[list[str], Field(min_length=1)] = _key(
+        ["abradem developers"], "Who made the data set.", allowed="a list of names"
+    )
+    version: str = _key(
+        "1.0.0",
+        "Version of the data set.",
+        allowed="1.0.0, 1.0.1, 2.0.0 ...",
+        pattern=r"^\d+\.\d+\.\d+$",
+    )
+    date: str | None = _key(
+        None,
+        "Day of publication; null: the day on which the data set was made.",
+        allowed='null or a day in quotes, "2026-01-31"',
+        pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$",
+    )
+    url: str | None = _key(
+        None,
+        "Where it can be had, such as https://doi.org/...",
+        allowed="null or an address that begins with https://",
+        pattern=r"^https://\S+$",
+    )
+    series: bool = _key(
+        True,
+        "Also the series, maps and runs of every case, which are larger than the data set.",
+        allowed="true or false",
+    )
+
+
 class Config(_Section):
     """A study. `load_config` also checks what involves several keys."""
 
@@ -704,6 +752,9 @@ class Config(_Section):
     features: Features = Field(default_factory=Features, description="The derived quantities.")
     learning: Learning = Field(default_factory=Learning, description="Models of the data set.")
     figures: Figures = Field(default_factory=Figures, description="The figures of the report.")
+    publish: Publish = Field(
+        default_factory=Publish, description="The folder that snakemake publish makes."
+    )
 
     @property
     def cases(self) -> int:
@@ -736,7 +787,24 @@ def read_config(*paths: str | os.PathLike) -> Config:
     return load_config(merged, [Path(path) for path in paths])
 
 
-def load_config(merged: Mapping, files: Sequence[str | os.PathLike] = ()) -> Config:
+def refuse_all_but_data(path: str | os.PathLike) -> None:
+    """Refuse a file that is no YAML of plain data, or that asks to be run as a template.
+
+    Raises
+    ------
+    ConfigError
+        With one line for each problem.
+    """
+    values, problems = _parse_file(Path(path))
+    if "__use_yte__" in values:
+        problems = [f"{_shown_path(Path(path))}: __use_yte__: templates are refused"]
+    if problems:
+        raise ConfigError(problems)
+
+
+def load_config(
+    merged: Mapping, files: Sequence[str | os.PathLike] = (), elsewhere: str = COMMAND_LINE
+) -> Config:
     """Check a configuration that was already merged, as Snakemake hands it over.
 
     Parameters
@@ -745,7 +813,9 @@ def load_config(merged: Mapping, files: Sequence[str | os.PathLike] = ()) -> Con
         All keys, with those of the command line on top.
     files : sequence of path
         The files it came from. They are read again to find duplicate keys and to say in which
-        file a wrong value stands; what stands in none of them came from the command line.
+        file a wrong value stands.
+    elsewhere : str
+        Where a value came from that stands in none of them.
 
     Raises
     ------
@@ -777,6 +847,8 @@ def load_config(merged: Mapping, files: Sequence[str | os.PathLike] = ()) -> Con
         shown = "(missing)" if value is _MISSING else _show(value) + ("" if given else " (default)")
         tail = f" (allowed {allowed})" if allowed else ""
         origin = _origin(key, value, sources, given)
+        if origin == COMMAND_LINE:
+            origin = elsewhere
         return f"{origin}: {_dotted(key)}: {shown}: {problem}{tail}"
 
     try:
@@ -795,7 +867,11 @@ def _parse_file(path: Path) -> tuple[dict, list[str]]:
     """Return the file's values and one line for each duplicate key; raise if unreadable."""
     shown = _shown_path(path)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        with open(path, "rb") as file:
+            content = file.read(_LARGEST_FILE + 1)
+        if len(content) > _LARGEST_FILE:
+            raise ConfigError([f"{shown}: is larger than {_LARGEST_FILE // 1000} kB"])
+        text = content.decode("utf-8-sig")
     except FileNotFoundError:
         raise ConfigError([f"{shown}: there is no such file"]) from None
     except OSError as error:
@@ -807,7 +883,10 @@ def _parse_file(path: Path) -> tuple[dict, list[str]]:
     problems: list[str] = []
     try:
         node = yaml.compose(text, Loader=yaml.SafeLoader)
-        values = None if node is None else _construct(node, (), shown, problems)
+        room = itertools.count(_MOST_VALUES, -1)
+        values = None if node is None else _construct(node, (), shown, problems, room)
+    except RecursionError:
+        raise ConfigError([f"{shown}: nested more than {_DEEPEST} levels deep"]) from None
     except yaml.MarkedYAMLError as error:
         where = error.problem_mark or error.context_mark
         place = f"line {where.line + 1}: " if where else ""
@@ -833,14 +912,21 @@ def _tag_problem(error: yaml.MarkedYAMLError) -> str:
     return f"the tag {tag} is refused; only plain numbers, text, lists and keys are read"
 
 
-def _construct(node: yaml.Node, key: Key, shown: str, problems: list[str]) -> Any:
-    """Turn a YAML node into plain data, and note keys that stand twice."""
+def _construct(
+    node: yaml.Node, key: Key, shown: str, problems: list[str], room: Iterator[int]
+) -> Any:
+    """Turn a YAML node into plain data, and note keys that stand twice.
+
+    ``room`` counts down the values that the file may still hold, those of anchors each time.
+    """
     line = node.start_mark.line + 1
     if len(key) > _DEEPEST:
         raise ConfigError([f"{shown}: line {line}: nested more than {_DEEPEST} levels deep"])
+    if next(room) <= 0:
+        raise ConfigError([f"{shown}: line {line}: holds more than {_MOST_VALUES} values"])
     if isinstance(node, yaml.SequenceNode) and node.tag == "tag:yaml.org,2002:seq":
         return [
-            _construct(item, (*key, index), shown, problems)
+            _construct(item, (*key, index), shown, problems, room)
             for index, item in enumerate(node.value)
         ]
     if not isinstance(node, yaml.MappingNode) or node.tag != "tag:yaml.org,2002:map":
@@ -852,7 +938,7 @@ def _construct(node: yaml.Node, key: Key, shown: str, problems: list[str]) -> An
         if not isinstance(name_node, yaml.ScalarNode) or name_node.tag != "tag:yaml.org,2002:str":
             raise ConfigError([f"{shown}: line {line}: a key must be a plain word"])
         name = name_node.value
-        value = _construct(value_node, (*key, name), shown, problems)
+        value = _construct(value_node, (*key, name), shown, problems, room)
         if name in values:
             problems.append(
                 f"{shown}: {_dotted((*key, name))}: {_show(value)}: given twice, on lines "
@@ -1119,10 +1205,18 @@ def _constraints(field: FieldInfo) -> list:
 
 def _conflicts(config: Config) -> Iterator[tuple[Key, str]]:
     """Yield key and problem for values that are fine alone but not together."""
-    if config.study == "verification":
-        yield ("study",), "is taken by the results of make verify (allowed: another name)"
+    # Some file systems do not tell capital letters from small ones.
+    if config.study.lower() in TAKEN_NAMES:
+        yield ("study",), f"is taken by {TAKEN_NAMES[config.study.lower()]} (allowed: another name)"
+    external = config.dataset.external
+    if external is not None and _is_below(external, f"results/{config.study}"):
+        yield (
+            ("dataset", "external"),
+            "is a result of this very study (allowed: a file elsewhere, or another study)",
+        )
     simulation = config.simulation
     yield from _feed_conflicts(simulation.factory)
+    yield from _size_conflicts(config)
 
     plate = simulation.plate
     shorter = min(plate.length_mm, plate.width_mm)
@@ -1130,14 +1224,6 @@ def _conflicts(config: Config) -> Iterator[tuple[Key, str]]:
         yield (
             ("simulation", "plate", "facet_size_mm"),
             f"a facet must not be larger than the plate (allowed up to {shorter:g} mm)",
-        )
-    facets = math.prod(
-        math.ceil(side / plate.facet_size_mm) for side in (plate.length_mm, plate.width_mm)
-    )
-    if facets > MOST_FACETS:
-        yield (
-            ("simulation", "plate", "facet_size_mm"),
-            f"divides the plate into {facets} facets (allowed up to {MOST_FACETS})",
         )
     if config.sampling.ranges.particle_radius_mm[1] > shorter / 2.0:
         yield (
@@ -1195,8 +1281,76 @@ def _conflicts(config: Config) -> Iterator[tuple[Key, str]]:
         yield ("figures", "formats"), "must include png, which the report shows (allowed pdf, png)"
 
 
+TAKEN_NAMES = {
+    "verification": "the results of make verify",
+    "benchmarks": "the results of make bench",
+}
+"""Folders under results/ that are no study's."""
+
 MOST_FACETS = 1_000_000
 """More facets than this would fill tables, not resolve wear."""
+
+MOST_CASES = 1_000_000
+MOST_JOBS = 20_000
+"""Simulation jobs beyond which the workflow needs minutes, then hours, to begin."""
+
+MOST_SAMPLES = 100_000
+"""Samples of the worn volume that the engine takes of a case."""
+
+MOST_MAP_BYTES = 4e9
+"""Memory of a case's maps of worn volume by facet, ten of which are kept for each window."""
+
+
+def _is_below(path: str, folder: str) -> bool:
+    try:
+        return Path(path).resolve().is_relative_to(Path(folder).resolve())
+    except (OSError, ValueError):
+        return False
+
+
+def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    """What would fill disk or memory, or never begin."""
+    from abradem.shards import shards_of_block
+
+    sampling, simulation = config.sampling, config.simulation
+    plate, stop = simulation.plate, simulation.stop
+    if config.cases > MOST_CASES:
+        yield (
+            ("sampling", "blocks"),
+            f"makes {config.cases} cases with {sampling.cases_per_block} in a block "
+            f"(allowed up to {MOST_CASES} cases in all)",
+        )
+    else:
+        shards = shards_of_block(sampling.cases_per_block, simulation.cases_per_job)
+        jobs = sampling.blocks * len(shards)
+        if jobs > MOST_JOBS:
+            yield (
+                ("simulation", "cases_per_job"),
+                f"makes {jobs} simulation jobs (allowed up to {MOST_JOBS}; take more cases per "
+                "job, or fewer and larger blocks)",
+            )
+    facets = math.prod(
+        math.ceil(side / plate.facet_size_mm) for side in (plate.length_mm, plate.width_mm)
+    )
+    maps = 10.0 * stop.max_time_s / stop.window_s
+    if facets > MOST_FACETS:
+        yield (
+            ("simulation", "plate", "facet_size_mm"),
+            f"divides the plate into {facets} facets (allowed up to {MOST_FACETS})",
+        )
+    elif maps * facets * len(READINGS) * 8.0 > MOST_MAP_BYTES:
+        yield (
+            ("simulation", "plate", "facet_size_mm"),
+            f"with {facets} facets, {maps:.0f} maps of a case would fill the memory; take larger "
+            "facets, a longer window or a shorter max_time_s "
+            f"(allowed {MOST_MAP_BYTES / 1e9:g} GB)",
+        )
+    least = stop.max_time_s / MOST_SAMPLES
+    if stop.sample_interval_s < least:
+        yield (
+            ("simulation", "stop", "sample_interval_s"),
+            f"gives more than {MOST_SAMPLES} samples in max_time_s (allowed from {least:g} s)",
+        )
 
 
 def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:

@@ -9,6 +9,7 @@ the same table gives the same bytes.
 from __future__ import annotations
 
 import contextlib
+import glob
 import hashlib
 import json
 import os
@@ -323,9 +324,14 @@ _NOT_NEGATIVE = (
 
 @contextlib.contextmanager
 def replacing(path: str | Path) -> Iterator[IO[bytes]]:
-    """A binary file that takes the place of ``path`` when the block ends well, else vanishes."""
+    """A binary file that takes the place of ``path`` when the block ends well, else vanishes.
+
+    What a killed process left of an earlier attempt is removed. An error of the file system
+    names ``path``.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
+    _remove_left(path)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         with open(temporary, "wb") as sink:
@@ -333,8 +339,34 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
             sink.flush()
             os.fsync(sink.fileno())
         os.replace(temporary, path)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise type(error)(error.errno, os.strerror(error.errno), str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _remove_left(path: Path) -> None:
+    """Remove temporary files of ``path`` whose process is gone."""
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.tmp"):
+        number = left.name.split(".")[-2]
+        if number.isdecimal() and not _lives(int(number)):
+            left.unlink(missing_ok=True)
+
+
+def _lives(process: int) -> bool:
+    if os.name == "nt":
+        # There, os.kill would end it.
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        # Somebody else's.
+        return True
+    return True
 
 
 def write_json(value, path: str | Path) -> None:
@@ -471,7 +503,7 @@ def join(
         `DATASET_COLUMNS`, the cases that ended well and have a wear rate, by case_id.
     failures : pandas.DataFrame
         `FAILURE_COLUMNS`, all other cases: rejected, ended early, never steady, without wear,
-        not simulated.
+        with a number that is not finite, not simulated.
     """
     for name, frame in (("cases", cases), ("wear rates", rates), ("runs", runs)):
         _require_unique(name, frame)
@@ -495,9 +527,14 @@ def join(
     table = table.merge(rates[rate_columns], on="case_id", how="left", validate="1:1")
     table = table.sort_values("case_id", ignore_index=True)
 
+    numbers = [name for name in DATASET_COLUMNS if COLUMNS[name].dtype == "float64"]
+    finite = np.isfinite(table[numbers].to_numpy(dtype=float))
+    odd = ["" if row.all() else numbers[int(np.argmin(row))] for row in finite]
     status = [
         _failure(*row)
-        for row in zip(table["rejected"], table["status"], table["wear_total_mean"], strict=True)
+        for row in zip(
+            table["rejected"], table["status"], table["wear_total_mean"], odd, strict=True
+        )
     ]
     table["status"] = [word or "ok" for word in status]
     good = np.array([not word for word in status], dtype=bool)
@@ -505,6 +542,26 @@ def join(
     failures = table.loc[~good, list(FAILURE_COLUMNS)].reset_index(drop=True)
     failures["simulated_time"] = failures["simulated_time"].fillna(0.0)
     return dataset, failures
+
+
+def check_failures(dataset: pd.DataFrame, failures: pd.DataFrame, most: float) -> None:
+    """Raise `TableError` if more cases failed than a study can do without.
+
+    Parameters
+    ----------
+    dataset, failures : pandas.DataFrame
+        From `join`.
+    most : float
+        Largest share of the cases that may fail.
+    """
+    cases = len(dataset) + len(failures)
+    if len(failures) > most * cases:
+        reasons = failures["status"].value_counts()
+        raise TableError(
+            f"dataset: {len(failures)} of {cases} cases failed, more than "
+            f"simulation.max_failed_share = {most:g} allows; most often "
+            f"({reasons.iloc[0]}): {reasons.index[0]}; failures.parquet holds all"
+        )
 
 
 def check(dataset: pd.DataFrame) -> None:
@@ -556,8 +613,11 @@ def _plain(value):
     return value
 
 
-def _failure(rejected: str, status, rate: float) -> str:
-    """Why a case is no row of the dataset, or "" if it is one."""
+def _failure(rejected: str, status, rate: float, odd: str) -> str:
+    """Why a case is no row of the dataset, or "" if it is one.
+
+    ``odd`` is the first column of its row that is not finite, if any.
+    """
     if rejected:
         return f"rejected: {rejected}"
     if not isinstance(status, str):
@@ -568,6 +628,8 @@ def _failure(rejected: str, status, rate: float) -> str:
         return "no wear rate: no steady state reached"
     if rate <= 0.0:
         return "no wear: nothing met the plate"
+    if odd:
+        return f"no finite {odd}"
     return ""
 
 

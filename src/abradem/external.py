@@ -50,6 +50,8 @@ PUBLISHED_NAMES = {
 
 CLOSE = 0.05
 """Relative difference up to which a derived value agrees with its formula: two digits do."""
+LARGEST_KEY = 2**53
+"""Case numbers are read as floating-point numbers, which are whole up to here."""
 MOST_LINES = 20
 """Bad rows named one by one."""
 
@@ -172,6 +174,8 @@ def _keys(table: pd.DataFrame) -> tuple[np.ndarray, str]:
     values, bad = _numbers(table["case_id"])
     if bad.any() or (values != np.rint(values)).any() or len(set(values)) < len(values):
         return values, "column 'case_id': must hold whole numbers, each once"
+    if (np.abs(values) > LARGEST_KEY).any():
+        return values, f"column 'case_id': holds numbers beyond {LARGEST_KEY}"
     return values.astype(np.int64), ""
 
 
@@ -202,6 +206,12 @@ def _source(name: str, mapped, table: pd.DataFrame, units: dict[str, str]):
 
 
 def _numbers(values: pd.Series) -> tuple[np.ndarray, np.ndarray]:
+    """The column as numbers, and which rows hold none."""
+    if values.dtype.kind in "bmMc":
+        # Dates, durations and truth values turn into numbers all too easily.
+        return np.full(len(values), np.nan), np.ones(len(values), dtype=bool)
+    if values.dtype.kind == "O":
+        values = values.where(~values.map(lambda value: isinstance(value, bool)), None)
     found = pd.to_numeric(values, errors="coerce").to_numpy(dtype=float)
     return found, ~np.isfinite(found)
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import traceback
 from pathlib import Path
 
 CLEAR = "\r\x1b[2K"
 """What makes a terminal forget the line it is in."""
+
+
+_WORDS = {MemoryError: "there was too little memory"}
+"""What errors say that say nothing themselves."""
 
 
 def log_to(path: str | Path) -> None:
@@ -25,10 +30,13 @@ def log_to(path: str | Path) -> None:
     log = open(path, "w", buffering=1, encoding="utf-8")
 
     def report(kind, error, trace):
-        traceback.print_exception(kind, error, trace, file=log)
         # On a terminal, the line of progress may stand where this goes.
         start = CLEAR if terminal.isatty() else ""
-        print(f"{start}{error or kind.__name__} (see {path})", file=terminal, flush=True)
+        said = str(error) or _WORDS.get(kind, kind.__name__)
+        print(f"{start}{said} (see {path})", file=terminal, flush=True)
+        # The disk may be what is full.
+        with contextlib.suppress(OSError):
+            traceback.print_exception(kind, error, trace, file=log)
 
     sys.stderr = log
     sys.excepthook = report

@@ -33,11 +33,18 @@ class Shard:
         Its ``runs`` table.
     finished : path
         Its folder of finished cases.
+    work : float, optional
+        What it costs beside other shards; its cases if not given.
     """
 
     cases: int
     runs: Path
     finished: Path
+    work: float | None = None
+
+    def work_of(self, cases: int) -> float:
+        """What some of its cases cost beside other shards."""
+        return cases if self.work is None else self.work * cases / self.cases
 
 
 class _MakeRoom(logging.Handler):
@@ -82,8 +89,9 @@ class Monitor:
         self.in_place = self.stream.isatty()
         self.interval = 2.0 if self.in_place else 5.0
         self._waiting: dict[str, Shard] = {}
-        self._done = self._before = 0
-        self._resumed: dict[str, int] = {}
+        self._done = 0
+        self._work = self._worked = self._running = 0.0
+        self._resumed: dict[str, float] = {}
         self._began = self._ended = 0
         self._clock = 0.0
         self._in_line = False
@@ -116,15 +124,14 @@ class Monitor:
             logging.getLogger(self.beside).removeHandler(self._make_room)
             if self._waiting:
                 self._print(self.line(), last=True)
-            self._mark.unlink(missing_ok=True)
-            with contextlib.suppress(OSError):
-                # Stays where an interrupted shard left finished cases.
-                self.folder.rmdir()
+        self._tidy()
 
     def begin(self, shards: Mapping[str, Shard]) -> None:
         """Set the moment from which results count as this run's."""
         self._waiting = dict(shards)
-        self._done = self._before = self.total - sum(shard.cases for shard in shards.values())
+        self._done = self.total - sum(shard.cases for shard in shards.values())
+        self._worked = self._running = 0.0
+        self._work = sum(shard.work_of(shard.cases) for shard in shards.values())
         self.folder.mkdir(parents=True, exist_ok=True)
         self._mark.write_text("", encoding="utf-8")
         # The file system's clock, which other machines of a cluster share, not our own.
@@ -133,28 +140,32 @@ class Monitor:
 
     def count(self) -> int:
         """Cases of the study that are done."""
-        running = 0
+        running, self._running = 0, 0.0
         for name, shard in list(self._waiting.items()):
             written = _modified(shard.runs)
             if written >= self._began:
                 del self._waiting[name]
                 self._done += shard.cases
+                self._worked += shard.work_of(shard.cases)
                 self._ended = max(self._ended, written)
             elif _modified(shard.finished / STARTED) >= self._began:
-                running += finished_cases(shard.finished)
-                self._resumed[name] = resumed_cases(shard.finished)
+                finished = finished_cases(shard.finished)
+                running += finished
+                self._running += shard.work_of(finished)
+                self._resumed[name] = shard.work_of(resumed_cases(shard.finished))
         return self._done + running
 
     def line(self) -> str:
         """The progress in words."""
         done = self.count()
         text = f"simulations: {done} of {self.total} cases done"
-        computed = done - self._before - sum(self._resumed.values())
         if done >= self.total:
             return f"{text} in {duration((self._ended - self._began) / 1e9)}"
+        worked = self._worked + self._running
+        computed = worked - sum(self._resumed.values())
         if computed > 0:
             elapsed = time.monotonic() - self._clock
-            return f"{text}, about {duration(elapsed * (self.total - done) / computed)} left"
+            return f"{text}, about {duration(elapsed * (self._work - worked) / computed)} left"
         return text
 
     def clear(self) -> None:
@@ -171,6 +182,15 @@ class Monitor:
             if self.in_place or line != shown:
                 self._print(line, last=not self._waiting)
             shown = line
+        if not self._waiting:
+            self._tidy()
+
+    def _tidy(self) -> None:
+        """Remove the mark, also that of a run that was killed."""
+        self._mark.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            # Stays where an interrupted shard left finished cases.
+            self.folder.rmdir()
 
     def _print(self, line: str, last: bool = False) -> None:
         if self.in_place:

@@ -22,6 +22,7 @@ import abradem
 NEUTRAL = {
     "abradem": "names and the version only",
     "abradem.joblog": "says what went wrong",
+    "abradem.locks": "keeps two processes from one place",
     "abradem.provenance": "records results, does not make them",
 }
 """Modules whose content cannot change a result, and why; no step depends on them."""
@@ -152,6 +153,7 @@ STEPS: dict[str, tuple[str, ...]] = {
         "abradem.figures.setup", "abradem.movie", "abradem.scenes", "abradem.shards",
     ),
     "vtk": (*_RATES, "abradem.export", "abradem.scenes", "abradem.shards", "abradem.vtk"),
+    "publish": ("abradem.parameters", "abradem.publish"),
     "table": (),
     "summary": (*_RATES, "abradem.summary"),
     "provenance": (),

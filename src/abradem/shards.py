@@ -11,10 +11,13 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import os
 import shutil
+import traceback
 from collections.abc import Mapping
 from pathlib import Path
 
+from abradem.locks import locked
 from abradem.parameters import READINGS, SAMPLED_NAMES
 
 TABLES = ("series", "maps", "runs")
@@ -109,7 +112,14 @@ def run_case(row: Mapping, setup: Mapping) -> dict:
     -------
     dict
         Under each name of `TABLES` a DataFrame; ``series`` and ``maps`` are empty for a
-        case that was not simulated, because it is rejected or the engine refuses it.
+        case that was not simulated, because it is rejected, the engine refuses it or its
+        numbers fail.
+
+    Raises
+    ------
+    Exception
+        What does not follow from the case: too little memory, a full disk, a damaged
+        installation. Another attempt may end well, so it must not become a result.
     """
     if row["rejected"]:
         return _without_result(row, f"rejected: {row['rejected']}")
@@ -120,8 +130,8 @@ def run_case(row: Mapping, setup: Mapping) -> dict:
     except ValueError as error:
         # The engine refuses what it cannot integrate; the other cases go on.
         return _without_result(row, f"refused: {error}")
-    except Exception as error:
-        raise RuntimeError(f"case {row['case_id']}: {error}") from error
+    except ArithmeticError as error:
+        return _without_result(row, f"failed: {type(error).__name__}: {error}")
     return _tables(row, result)
 
 
@@ -140,28 +150,71 @@ def run_shard(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
         Folder of this shard alone in which finished cases are kept until all are done.
     code : str
         Hash of the code that simulates; cases finished by other code are not used.
+
+    Raises
+    ------
+    RuntimeError
+        With one line for each case that could not be simulated, see `run_case`; the other
+        cases are finished and kept.
     """
-    from abradem.dataset import concatenate, read_table, write_table
+    from abradem.dataset import concatenate, write_table
 
     finished = Path(finished)
-    finished.mkdir(parents=True, exist_ok=True)
-    rows = cases.to_dict("records")
-    keys = [case_key(row, setup, code) for row in rows]
-    _drop_others(finished, keys)
-    (finished / STARTED).write_text(str(finished_cases(finished)), encoding="utf-8")
+    with locked(finished.with_name(f"{finished.name}.lock")):
+        finished.mkdir(parents=True, exist_ok=True)
+        rows = cases.to_dict("records")
+        keys = [case_key(row, setup, code) for row in rows]
+        _drop_others(finished, keys)
+        (finished / STARTED).write_text(str(finished_cases(finished)), encoding="utf-8")
 
-    frames = {name: [] for name in TABLES}
-    for row, key in zip(rows, keys, strict=True):
-        paths = {name: finished / f"{key}.{name}.parquet" for name in TABLES}
-        # The runs table is written last: if it is there, so are the others.
-        if not paths["runs"].exists():
-            for name, frame in run_case(row, setup).items():
-                write_table(frame, paths[name])
+        frames = {name: [] for name in TABLES}
+        problems = []
+        parent = os.getppid()
+        for row, key in zip(rows, keys, strict=True):
+            if os.getppid() != parent:
+                raise RuntimeError("the run that started this job is gone; finished cases are kept")
+            paths = {name: finished / f"{key}.{name}.parquet" for name in TABLES}
+            try:
+                tables = _kept(paths) or _simulated(row, setup, paths)
+            except Exception as error:
+                if isinstance(error, OSError):
+                    # Without a place for results, no other case can end well.
+                    raise
+                traceback.print_exc()
+                reason = str(error) or type(error).__name__
+                if isinstance(error, MemoryError):
+                    reason = f"too little memory: {reason}"
+                problems.append(f"case {row['case_id']}: {reason}")
+                continue
+            for name in TABLES:
+                frames[name].append(tables[name])
+        if problems:
+            raise RuntimeError("\n".join(problems))
         for name in TABLES:
-            frames[name].append(read_table(paths[name]))
+            write_table(concatenate(frames[name]), outputs[name])
+        shutil.rmtree(finished)
+
+
+def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
+    """Simulate a case and keep its tables."""
+    from abradem.dataset import read_table, write_table
+
+    tables = run_case(row, setup)
+    # The runs table is the last: if it is there, so are the others.
     for name in TABLES:
-        write_table(concatenate(frames[name]), outputs[name])
-    shutil.rmtree(finished)
+        write_table(tables[name], paths[name])
+    return {name: read_table(paths[name]) for name in TABLES}
+
+
+def _kept(paths: Mapping) -> dict | None:
+    """Tables of a case that was finished before, or None."""
+    from abradem.dataset import TableError, read_table
+
+    try:
+        return {name: read_table(paths[name]) for name in reversed(TABLES)}
+    except TableError:
+        # Not there, or damaged by a machine that went down.
+        return None
 
 
 def finished_cases(folder: Path) -> int:

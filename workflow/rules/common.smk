@@ -2,6 +2,7 @@ import json
 import os
 import re
 import sys
+from functools import cache
 from pathlib import Path
 
 from abradem.config import (
@@ -12,20 +13,37 @@ from abradem.config import (
     to_yaml,
     typical_case,
 )
+from abradem.cost import shard_seconds
 from abradem.figures.listing import GROUP_OF
+from abradem.locks import Lock
 from abradem.progress import Monitor, Shard
 from abradem.provenance import STEPS, code_hash, step_hash, versions
 from abradem.runtimes import run_times
 from abradem.shards import shards_of_block
 
+
+def file_of_workflow(path):
+    """A file of this workflow as a rule names it: relative where the run is in its folder."""
+    full = Path(HOME, path)
+    return str(
+        full.relative_to(Path.cwd()) if full.is_relative_to(Path.cwd()) else full
+    )
+
+
 try:
-    # The overlays of the command line come last, as they were merged.
+    # The overlays of the command line come last, as they were merged. A module has its
+    # configuration from the workflow that imports it, whose files are another's.
     CONFIG = load_config(
         config,
-        sorted(
-            workflow.configfiles,
-            key=lambda path: path in workflow.overwrite_configfiles,
+        (
+            ()
+            if IN_MODULE
+            else sorted(
+                workflow.configfiles,
+                key=lambda path: path in workflow.overwrite_configfiles,
+            )
         ),
+        "config of the module" if IN_MODULE else "command line",
     )
 except ConfigError as error:
     sys.exit(str(error))
@@ -37,9 +55,7 @@ SETUP = setup_dict(CONFIG)
 SIMULATED = CONFIG.dataset.external is None
 
 # Hash of all code that a step uses, a parameter of its rule: an edit reruns the step.
-CODE = {
-    step: step_hash(step, Path(workflow.basedir, "workflow/scripts")) for step in STEPS
-}
+CODE = {step: step_hash(step, Path(HOME, "workflow/scripts")) for step in STEPS}
 
 BLOCKS = range(CONFIG.sampling.blocks)
 SHARDS = shards_of_block(
@@ -54,6 +70,27 @@ def shard_paths(pattern):
         for block in BLOCKS
         for shard in range(len(SHARDS))
     ]
+
+
+@cache
+def seconds_of_shards(block):
+    """Guessed computing times of the shards of a block; nothing but an order follows."""
+    # With SciPy, whose import only a run with simulations has to wait for.
+    from abradem.sampling import block_cases
+
+    drawn = block_cases(
+        CONFIG.seed,
+        block,
+        CONFIG.sampling.cases_per_block,
+        CONFIG.sampling.method,
+        sampled_ranges(CONFIG),
+    )
+    return shard_seconds(drawn, SETUP, SHARDS)
+
+
+def seconds_of_shard(wildcards):
+    """Guessed computing time of a shard, s."""
+    return seconds_of_shards(int(wildcards.block))[int(wildcards.shard)]
 
 
 def shards_with(cases, pattern):
@@ -72,7 +109,24 @@ def shards_with(cases, pattern):
     return list(dict.fromkeys(paths))
 
 
+# What a job asks a cluster for, where that is not the profile's default: docs/cluster.md has the
+# measurements. A retry asks for more. Minutes of a shard leave room for one case that takes hours.
+def growing(first):
+    """A resource that grows with the attempts of a job."""
+    return lambda wildcards, attempt: first * attempt
+
+
+SHARD_MB = 1500
+SHARD_MINUTES = 180 + max(stop - start for start, stop in SHARDS)
+LEARNING_MB = 4000
+LEARNING_MINUTES = 240
+
 FORMATS = CONFIG.figures.formats
+
+
+def beside(output, name):
+    """A folder of the study that holds ``<folder>/<output>``; a module's may have a prefix."""
+    return str(Path(output).parents[1] / name)
 
 
 VERIFICATION_CHECKS = Path("results/verification/checks.parquet")
@@ -125,11 +179,15 @@ def to_simulate(jobs):
             cases=len(range(*SHARDS[int(job.wildcards.shard)])),
             runs=Path(job.output.runs),
             finished=Path(job.params.finished),
+            work=seconds_of_shard(job.wildcards),
         )
         for job in jobs
         if job.rule.name == "simulate"
     }
 
+
+# In the place of Snakemake's own locks, which a killed run leaves behind.
+RUN_LOCK = Lock(Path(".snakemake", f"abradem-{CONFIG.study}.lock"))
 
 MONITOR = Monitor(CONFIG.cases, Path(RESULTS, ".finished"))
 

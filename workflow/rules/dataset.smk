@@ -2,6 +2,10 @@ WEAR_RATES = shard_paths(
     f"{RESULTS}/wear_rates/block-{{block}}-shard-{{shard}}.parquet"
 )
 RUNS = shard_paths(f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet")
+# The joins name their inputs by path, not as `rules.<name>.output`: for each file of a named
+# list Snakemake would then hash the whole list, minutes for thousands of shards.
+CASES = f"{RESULTS}/cases.parquet"
+FAILURES = f"{RESULTS}/failures.parquet"
 
 
 rule wear_rates:
@@ -27,11 +31,11 @@ rule wear_rates:
 # A rule of its own, so that they are written whatever is wrong with the data set.
 rule failures:
     input:
-        cases=rules.join_cases.output,
+        cases=CASES,
         rates=WEAR_RATES,
         runs=RUNS,
     output:
-        f"{RESULTS}/failures.parquet",
+        FAILURES,
     log:
         f"{LOGS}/failures.log",
     conda:
@@ -44,11 +48,11 @@ rule failures:
 
 rule dataset:
     input:
-        cases=rules.join_cases.output,
+        cases=CASES,
         rates=WEAR_RATES,
         runs=RUNS,
         # Not read: the reasons are to be there when the data set is.
-        failures=rules.failures.output,
+        failures=FAILURES,
     output:
         report(
             f"{RESULTS}/dataset.parquet",
@@ -62,6 +66,7 @@ rule dataset:
         "../envs/abradem.yaml"
     params:
         options=CONFIG.features.model_dump(),
+        max_failed_share=CONFIG.simulation.max_failed_share,
         code=CODE["dataset"],
     script:
         "../scripts/dataset.py"

@@ -1,13 +1,22 @@
 # In the place of sampling, simulation and dataset: a table from elsewhere.
+from abradem.dataset import TableError
+from abradem.external import read_external
+
 EXTERNAL = CONFIG.dataset.external
 
 if not Path(EXTERNAL).is_file():
     sys.exit(f"dataset.external: {EXTERNAL}: there is no such file")
+try:
+    # Before anything is written; the rule reads it again.
+    read_external(EXTERNAL, CONFIG.dataset.columns)
+except TableError as error:
+    sys.exit(str(error))
 
 
 rule dataset:
     input:
-        EXTERNAL,
+        # Braces in a path are no wildcards.
+        EXTERNAL.replace("{", "{{").replace("}", "}}"),
     output:
         report(
             f"{RESULTS}/dataset.parquet",

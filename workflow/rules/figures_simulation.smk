@@ -102,9 +102,9 @@ rule figure_angles:
 
 rule figure_gallery:
     input:
-        cases=rules.join_cases.output[0],
+        cases=CASES,
         maps=shard_paths(rules.simulate.output.maps),
-        runs=shard_paths(rules.simulate.output.runs),
+        runs=RUNS,
     output:
         figure_files("gallery", "wear over the parameter space"),
     log:

@@ -204,6 +204,9 @@ rule ga_ann:
     conda:
         "../envs/abradem.yaml"
     threads: LEARNING.ga_ann.population
+    resources:
+        mem_mb=growing(LEARNING_MB),
+        runtime=growing(LEARNING_MINUTES),
     params:
         table=LEARNED_FROM,
         networks=LEARNING.ga_ann.model_dump(),
@@ -215,7 +218,9 @@ rule ga_ann:
             "confidence": LEARNING.confidence,
             "seed": CONFIG.seed,
         },
-        folder=lambda wildcards: f"{RESULTS}/.ga_ann-{wildcards.protocol}",
+        folder=lambda wildcards, output: beside(
+            output.summary, f".ga_ann-{wildcards.protocol}"
+        ),
         code=CODE["ga_ann"],
     script:
         "../scripts/ga_ann.py"

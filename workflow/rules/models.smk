@@ -55,6 +55,9 @@ rule physical:
         f"{LOGS}/physical.log",
     conda:
         "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(LEARNING_MB),
+        runtime=growing(LEARNING_MINUTES),
     params:
         setup=JET,
         table=LEARNED_FROM,
@@ -75,6 +78,9 @@ rule intervals:
         f"{LOGS}/intervals.log",
     conda:
         "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(LEARNING_MB),
+        runtime=growing(LEARNING_MINUTES),
     params:
         setup=JET,
         table=LEARNED_FROM,
@@ -103,6 +109,9 @@ rule surrogate:
         f"{LOGS}/surrogate.log",
     conda:
         "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(LEARNING_MB),
+        runtime=growing(LEARNING_MINUTES),
     params:
         setup=JET,
         table=LEARNED_FROM,
@@ -127,6 +136,9 @@ rule sensitivity:
         f"{LOGS}/sensitivity.log",
     conda:
         "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(LEARNING_MB),
+        runtime=growing(LEARNING_MINUTES),
     params:
         setup=JET,
         table=LEARNED_FROM,
@@ -152,6 +164,9 @@ rule reach:
         f"{LOGS}/reach.log",
     conda:
         "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(LEARNING_MB),
+        runtime=growing(LEARNING_MINUTES),
     params:
         setup=JET,
         table=LEARNED_FROM,

@@ -1,8 +1,8 @@
 # What a paper needs beside the figures of data and models: flow charts, the found networks,
 # distributions, and what the verification study says where it was made.
 WORKFLOW_FILES = [
-    Path(workflow.basedir, "Snakefile"),
-    *sorted(Path(workflow.basedir, "workflow/rules").glob("*.smk")),
+    Path(HOME, "Snakefile"),
+    *sorted(Path(HOME, "workflow/rules").glob("*.smk")),
 ]
 
 
@@ -16,11 +16,14 @@ rule rule_graph:
     params:
         snakefile=os.path.relpath(WORKFLOW_FILES[0]),
         rule_files=[os.path.relpath(path) for path in WORKFLOW_FILES[1:]],
-        options=(
-            []
-            if SIMULATED
-            else ["--config", f"dataset={{external: {CONFIG.dataset.external}}}"]
-        ),
+        options=[
+            *(["--configfile", file_of_workflow("config.yaml")] if IN_MODULE else []),
+            *(
+                []
+                if SIMULATED
+                else ["--config", f"dataset={{external: {CONFIG.dataset.external}}}"]
+            ),
+        ],
         rules=code_hash([], *WORKFLOW_FILES),
         code=CODE["rule_graph"],
     script:
@@ -182,7 +185,7 @@ rule paper:
 
 rule paper_pdf:
     input:
-        text="paper/main.tex",
+        text=file_of_workflow("paper/main.tex"),
         included=rules.latex.output,
         figures=expand(
             f"{RESULTS}/figures/{{name}}.pdf",

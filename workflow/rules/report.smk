@@ -1,4 +1,6 @@
-report: "../report/workflow.rst"
+if not IN_MODULE:
+
+    report: "../report/workflow.rst"
 
 
 # Tables that the report offers for reading; the Parquet files stay the data.

@@ -12,6 +12,8 @@ rule sample:
         f"{RESULTS}/cases/block-{{block}}.parquet",
     log:
         f"{LOGS}/sample/block-{{block}}.log",
+    # Before any simulation, as the longest one may be of the last block.
+    priority: 10**9
     conda:
         "../envs/abradem.yaml"
     params:

@@ -22,12 +22,20 @@ rule simulate:
         f"{LOGS}/simulate/block-{{block}}-shard-{{shard}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/simulate/block-{{block}}-shard-{{shard}}.tsv"
+    # The longest first, else the last of them keeps one core busy while the others wait.
+    priority: seconds_of_shard
     conda:
         "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(SHARD_MB),
+        runtime=growing(SHARD_MINUTES),
     params:
         setup=SETUP,
         rows=lambda wildcards: SHARDS[int(wildcards.shard)],
-        finished=f"{RESULTS}/.finished/block-{{block}}-shard-{{shard}}",
+        # Beside the outputs, wherever an importing workflow puts them.
+        finished=lambda wildcards, output: beside(
+            output.runs, f".finished/{Path(output.runs).stem}"
+        ),
         code=CODE["simulate"],
     script:
         "../scripts/simulate.py"
@@ -55,6 +63,9 @@ rule export:
         f"{LOGS}/export/case-{{case}}.log",
     conda:
         "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(SHARD_MB),
+        runtime=growing(SHARD_MINUTES),
     params:
         setup=SETUP,
         interval=CONFIG.simulation.export.interval_s,

@@ -84,9 +84,9 @@ rule verification_chung_ooi:
 
 rule verification_codes:
     input:
-        impacts="tests/data/codes/single_impacts.csv",
-        jets="tests/data/codes/jets.csv",
-        forces="tests/data/codes/forces.csv",
+        impacts=file_of_workflow("tests/data/codes/single_impacts.csv"),
+        jets=file_of_workflow("tests/data/codes/jets.csv"),
+        forces=file_of_workflow("tests/data/codes/forces.csv"),
     output:
         **part_files("codes", "parquet"),
         text=list(part_files("codes", "csv").values()),

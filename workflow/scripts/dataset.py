@@ -1,15 +1,16 @@
 """The data set, one row per case that ended well."""
 
-from abradem.dataset import check, concatenate, join, read_table, write_table
+from abradem.dataset import check, check_failures, concatenate, join, read_table, write_table
 from abradem.joblog import log_to
 
 log_to(snakemake.log[0])
 
-dataset, _ = join(
-    read_table(snakemake.input.cases[0]),
+dataset, failures = join(
+    read_table(snakemake.input.cases),
     concatenate(map(read_table, snakemake.input.rates)),
     concatenate(map(read_table, snakemake.input.runs)),
     **snakemake.params.options,
 )
+check_failures(dataset, failures, snakemake.params.max_failed_share)
 check(dataset)
 write_table(dataset, snakemake.output[0])

@@ -6,7 +6,7 @@ from abradem.joblog import log_to
 log_to(snakemake.log[0])
 
 _, failures = join(
-    read_table(snakemake.input.cases[0]),
+    read_table(snakemake.input.cases),
     concatenate(map(read_table, snakemake.input.rates)),
     concatenate(map(read_table, snakemake.input.runs)),
 )

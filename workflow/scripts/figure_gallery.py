@@ -12,12 +12,13 @@ from abradem.wear_rate import depth_rate_maps
 
 log_to(snakemake.log[0])
 
-maps, runs = (concatenate(map(read_table, snakemake.input[name])) for name in ("maps", "runs"))
+runs = concatenate(map(read_table, snakemake.input.runs))
 cases = read_table(snakemake.input.cases)
 grid = snakemake.params.grid
 places = chosen_cases(cases, runs, **grid)
-facets, panels = depth_rate_maps(
-    maps, runs, cases, setup_from_dict(snakemake.params.setup), list(places["case_id"])
-)
+chosen = list(places["case_id"])
+# Of each shard only these: the maps of all cases of a large study do not fit into memory.
+maps = concatenate(read_table(path).query("case_id in @chosen") for path in snakemake.input.maps)
+facets, panels = depth_rate_maps(maps, runs, cases, setup_from_dict(snakemake.params.setup), chosen)
 figure = gallery_figure(facets, panels, places, grid["across"], grid["down"])
 style.save(figure, Path(snakemake.output[0]).with_suffix(""), snakemake.params.formats)

@@ -7,6 +7,7 @@ all sources of the engine makes an edit a new folder.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import os
@@ -45,9 +46,24 @@ def cache_folder() -> Path:
     folder = Path(base) / f"kernels-{engine_hash()}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
     except OSError:
-        folder = Path(tempfile.gettempdir()) / f"abradem-{os.getuid()}" / folder.name
-        folder.mkdir(parents=True, exist_ok=True)
+        return _private_folder() / folder.name
+
+
+def _private_folder() -> Path:
+    """Return a temporary folder that nobody else can write.
+
+    Kernels are read as code, so a folder that someone else made is not used.
+    """
+    folder = Path(tempfile.gettempdir()) / f"abradem-{os.getuid()}"
+    try:
+        folder.mkdir(mode=0o700)
+    except OSError:
+        found = folder.lstat() if folder.exists() else None
+        if found is None or found.st_uid != os.getuid() or found.st_mode & 0o022:
+            return Path(tempfile.mkdtemp(prefix="abradem-"))
     return folder
 
 
@@ -67,7 +83,64 @@ def kernel(function=None, *, inline: bool = False):
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:
-        compiled = numba.njit(cache=True, error_model="numpy", forceinline=inline)
-        return compiled(function)
+        compiled = numba.njit(cache=True, error_model="numpy", forceinline=inline)(function)
     finally:
         numba.config.CACHE_DIR = before
+    _make_robust(compiled)
+    return compiled
+
+
+def _make_robust(compiled) -> None:
+    """Let the kernel keep its machine code in files as `_robust_file` describes."""
+    from numba.core.caching import IndexDataCacheFile
+
+    file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    # Another version of numba may arrange this otherwise; its own files then do.
+    if type(file) is IndexDataCacheFile:
+        file.__class__ = _robust_file()
+
+
+@functools.cache
+def _robust_file() -> type:
+    """Return a class of cache files that can cost a compilation, but nothing else.
+
+    With numba's own, processes that compile different signatures of a function at the same time
+    may leave an index that names the machine code of another signature; a file that a power
+    failure emptied ends every later run; a full disk ends this one. Here a file is named by what
+    it holds and written before the index, under a lock, and what cannot be read is not there.
+    """
+    from numba.core.caching import IndexDataCacheFile
+
+    class RobustFile(IndexDataCacheFile):
+        def _load_index(self):
+            try:
+                return super()._load_index()
+            except Exception:
+                return {}
+
+        def load(self, key):
+            try:
+                return super().load(key)
+            except Exception:
+                return None
+
+        def save(self, key, data):
+            digest = hashlib.sha256(repr(key).encode()).digest()
+            name = self._data_name(int.from_bytes(digest[:8], "big"))
+            with (
+                contextlib.suppress(OSError),
+                open(Path(self._cache_path, "lock"), "ab") as lock,
+            ):
+                _lock(lock)
+                self._save_data(name, data)
+                self._save_index({**self._load_index(), key: name})
+
+    return RobustFile
+
+
+def _lock(file) -> None:
+    """Wait until no other process holds the lock; it ends with the file."""
+    with contextlib.suppress(ImportError, OSError):
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX)

@@ -31,7 +31,11 @@ TRIES = 100
 @kernel
 def due_step(problem, k):
     """Lattice step at which particle k of the factory is due."""
-    return np.int64(math.ceil((k + 0.5) / (problem.rate * problem.dt)))
+    step = (k + 0.5) / (problem.rate * problem.dt)
+    # No simulation gets so far; and what does not fit an integer would be due at once.
+    if not step < 1e18:
+        return np.int64(10**18)
+    return np.int64(math.ceil(step))
 
 
 @kernel

@@ -116,7 +116,7 @@ class Case:
         _check_number("plate_angle", self.plate_angle, least=-90.0, most=90.0)
         _check_number("factory_angle", self.factory_angle, least=-180.0, most=180.0)
         _check_number("particle_radius", self.particle_radius, above=0.0)
-        _check_number("particle_velocity_y", self.particle_velocity_y)
+        _check_number("particle_velocity_y", self.particle_velocity_y, least=-1e6, most=1e6)
         if not 0 <= self.seed < 2**63:
             raise ValueError(f"seed = {self.seed!r} is outside [0, 2^63)")
 
@@ -215,6 +215,7 @@ class Setup:
             "sample_interval",
         ):  # fmt: skip
             _check_number(name, getattr(self, name), above=0.0)
+        _check_number("time_step_fraction", self.time_step_fraction, least=1e-9)
         for name in ("mass_rate", "number_rate", "time_step", "duration"):
             if getattr(self, name) is not None:
                 _check_number(name, getattr(self, name), above=0.0)

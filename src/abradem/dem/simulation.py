@@ -36,6 +36,11 @@ stop early, seldom enough not to stop on a lucky fluctuation."""
 
 MAPS_PER_WINDOW = 10
 FEWEST_STEPS_PER_CONTACT = 5.0
+MOST_STEPS_PER_CONTACT = 1e5
+MOST_SAMPLES = 10**5
+MOST_PARTICLES = 2**19
+"""Particles present at once, samples, and steps per contact beyond which a case, which would not
+end in days, is refused or stopped."""
 
 
 def simulate(case: Case, setup: Setup | None = None, releases=None, progress=None, recorder=None):
@@ -66,18 +71,19 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     Raises
     ------
     ValueError
-        If the time step does not resolve a contact, or the releases are malformed.
+        If the time step does not resolve a contact or is absurdly short, if samples or particles
+        would be too many, or the releases are malformed.
     """
     setup = Setup() if setup is None else setup
     problem, schedule = make_problem(case, setup, releases)
     _check_step(problem, schedule, setup)
+    _check_size(problem, setup)
     engine = _Engine(problem, schedule, setup.stepping)
     sample_steps = max(1, round(setup.sample_interval / problem.dt))
     interval = sample_steps * problem.dt
     map_samples = max(1, round(setup.window / MAPS_PER_WINDOW / interval))
     window_maps = max(1, round(setup.window / (map_samples * interval)))
-    longest = setup.max_time if setup.duration is None else setup.duration
-    samples = max(1, round(longest / interval))
+    samples = max(1, round(_longest(setup) / interval))
     record_steps = max(1, round(recorder.interval / problem.dt)) if recorder else None
     state = engine.state
     if recorder:
@@ -132,7 +138,7 @@ class _Engine:
         # Only the stepping by islands keeps an agenda.
         self.agenda = make_agenda(problem, FIRST_CAPACITY) if stepping == "islands" else None
 
-    def advance(self, last_step: int, record_steps, recorder) -> int:
+    def advance(self, last_step: int, record_steps, recorder) -> int | str:
         """Step on to ``last_step``, recording on the way; return how that ended."""
         while True:
             target = last_step
@@ -141,6 +147,8 @@ class _Engine:
                 target = min(target, (step // record_steps + 1) * record_steps)
             outcome = self._kernel(target)
             if outcome == NEEDS_ROOM:
+                if self.state.particles.size >= MOST_PARTICLES:
+                    return f"more than {MOST_PARTICLES} particles at once"
                 self._grow()
                 continue
             if outcome != DONE:
@@ -167,17 +175,58 @@ def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
     fall = math.sqrt(problem.release_speed**2 + 2.0 * problem.gravity * setup.fall_height)
     fastest = fall
     if problem.scheduled and schedule.velocity.size:
-        speeds = np.sqrt((schedule.velocity**2).sum(axis=1))
         heights = np.maximum(schedule.position[:, 1] - problem.removal_height, 0.0)
-        fastest = float(np.sqrt(speeds**2 + 2.0 * problem.gravity * heights).max())
+        with np.errstate(over="ignore"):
+            speeds2 = (schedule.velocity**2).sum(axis=1) + 2.0 * problem.gravity * heights
+        fastest = float(np.sqrt(speeds2).max())
     if fastest == 0.0:
         return
     steps = hertz_duration(problem.plate_law, problem.mass, fastest) / problem.dt
-    if steps < FEWEST_STEPS_PER_CONTACT:
+    # Also where an infinite speed leaves no number of steps at all.
+    if not steps >= FEWEST_STEPS_PER_CONTACT:
         raise ValueError(
             f"time step {problem.dt:.3g} s gives {steps:.1f} steps per contact at "
             f"{fastest:.3g} m/s; at least {FEWEST_STEPS_PER_CONTACT:g} are needed"
         )
+
+    if steps > MOST_STEPS_PER_CONTACT:
+        raise ValueError(
+            f"time step {problem.dt:.3g} s gives {steps:.3g} steps per contact at "
+            f"{fastest:.3g} m/s; at most {MOST_STEPS_PER_CONTACT:g} are taken"
+        )
+
+
+def _check_size(problem: Problem, setup: Setup) -> None:
+    """Refuse what would need more samples or particles than a computer has time for."""
+    samples = _longest(setup) / max(setup.sample_interval, problem.dt)
+    if samples > MOST_SAMPLES:
+        raise ValueError(
+            f"sample_interval = {setup.sample_interval:g} s gives {samples:.3g} samples in "
+            f"{_longest(setup):g} s; at most {MOST_SAMPLES} are taken"
+        )
+    fastest = math.sqrt(problem.release_speed**2 + 2.0 * problem.gravity * setup.fall_height)
+    if problem.scheduled or fastest == 0.0:
+        return
+    # Above the plate at once: what is released during the fall, or what has room there.
+    falling = min(problem.rate * setup.fall_height / fastest, _room(problem, setup))
+    if falling > MOST_PARTICLES:
+        raise ValueError(
+            f"the feed of {problem.rate:.3g} particles per second of radius {problem.radius:g} m "
+            f"keeps {falling:.3g} of them in the air; at most {MOST_PARTICLES} are simulated"
+        )
+
+
+def _longest(setup: Setup) -> float:
+    return setup.max_time if setup.duration is None else setup.duration
+
+
+def _room(problem: Problem, setup: Setup) -> float:
+    """Particles that find room between patch and plate: volume by that of a sphere."""
+    sides = (
+        side + 2.0 * problem.radius
+        for side in (setup.patch_length, setup.patch_width, setup.fall_height)
+    )
+    return math.prod(sides) / (4.0 / 3.0 * math.pi * problem.radius**3)
 
 
 def _guard(problem: Problem, state: State, before: dict):

@@ -1,0 +1,474 @@
+"""A study on a real Slurm that lives on this machine for some minutes: make slurm-demo.
+
+Two nodes (slurmd) on the loopback interface and their controller run from a temporary folder,
+with a key of their own. The study runs on them with the profile beside this file. While
+simulations run on both nodes, one node is killed with all that runs on it, and one job on the
+other is cancelled; the study must end complete all the same. The verdict comes from what
+Slurm's controller says of every job. Everything that was started is stopped in the end,
+whatever happened.
+
+It needs root and the Debian packages slurmctld, slurmd, munge, slurm-client and
+slurm-wlm-basic-plugins. Where they are missing, or where a Slurm is already set up, one line
+says so and nothing is done.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import csv
+import importlib.util
+import os
+import re
+import secrets
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import psutil
+
+ROOT = Path(__file__).resolve().parents[2]
+STUDY = "slurm_demo"
+CONFIGURATIONS = (Path("/etc/slurm/slurm.conf"), Path("/etc/slurm-llnl/slurm.conf"))
+PLUGIN = "snakemake_executor_plugin_slurm"
+DAEMONS = ("munged", "slurmctld", "slurmd")
+COMMANDS = ("sbatch", "srun", "squeue", "sinfo", "scontrol", "scancel", "sacct", "sacctmgr")
+NODES = ("n1", "n2")
+DOOMED = "n2"
+CORES, MEMORY_MB = 2, 6000
+"""What each node claims to have; Slurm does not check it."""
+
+MARK = "ABRADEM_SLURM_DEMO"
+"""In the environment of everything that runs for the demonstration."""
+
+NODE_VARIABLE = "SLURMD_NODENAME"
+"""In the environment of everything that runs on a node: Slurm gives it to jobs, we to daemons."""
+
+CONFIGURATION = """\
+ClusterName=demo
+SlurmctldHost={host}(127.0.0.1)
+SlurmctldPort={controller}
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/munge
+AuthInfo=socket={folder}/munge.socket,cred_expire=20
+CommunicationParameters=NoCtldInAddrAny,NoInAddrAny
+StateSaveLocation={folder}/state
+SlurmdSpoolDir={folder}/%n
+SlurmctldPidFile={folder}/slurmctld.pid
+SlurmdPidFile={folder}/%n.pid
+SlurmctldLogFile={folder}/slurmctld.log
+SlurmdLogFile={folder}/%n.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+MpiDefault=none
+AccountingStorageType=accounting_storage/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU_Memory
+SlurmdParameters=config_overrides
+# A dead node is noticed in this time, s; finished jobs stay known for the whole demonstration.
+SlurmdTimeout=20
+MinJobAge=86400
+KillWait=5
+MessageTimeout=30
+{nodes}
+PartitionName=demo Nodes={names} Default=YES MaxTime=INFINITE State=UP
+"""
+
+
+class DemoError(Exception):
+    """The demonstration cannot go on."""
+
+
+def why_not() -> str | None:
+    """Say what keeps the demonstration from running here, if anything does."""
+    found = [str(path) for path in CONFIGURATIONS if path.exists()]
+    if os.environ.get("SLURM_CONF"):
+        found.append(f"SLURM_CONF={os.environ['SLURM_CONF']}")
+    if found:
+        return f"a Slurm is set up here ({found[0]}): run the study on it, see docs/cluster.md"
+    missing = [name for name in (*DAEMONS, *COMMANDS) if program(name) is None]
+    if missing:
+        return f"no Slurm is installed here: {', '.join(missing)} not found"
+    if importlib.util.find_spec(PLUGIN) is None:
+        return 'snakemake-executor-plugin-slurm is not installed: pip install -e ".[slurm]"'
+    if os.geteuid() != 0:
+        return "the nodes of a Slurm must be started by root"
+    return None
+
+
+def program(name: str) -> str | None:
+    """Path of a program; daemons lie where users often do not search."""
+    return shutil.which(name, path=f"{os.environ.get('PATH', os.defpath)}:/usr/sbin:/sbin")
+
+
+def free_ports(count: int) -> list[int]:
+    """Ports of the loopback interface that nobody uses."""
+    with contextlib.ExitStack() as stack:
+        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for each in sockets:
+            each.bind(("127.0.0.1", 0))
+        return [each.getsockname()[1] for each in sockets]
+
+
+def wait_for(met: Callable[[], bool], what: str, seconds: float) -> None:
+    """Wait until ``met()`` is true.
+
+    Raises
+    ------
+    DemoError
+        If it is not within ``seconds``.
+    """
+    end = time.monotonic() + seconds
+    while not met():
+        if time.monotonic() > end:
+            raise DemoError(f"{what} took more than {seconds:.0f} s")
+        time.sleep(0.5)
+
+
+class Cluster:
+    """A Slurm of two nodes on this machine.
+
+    Parameters
+    ----------
+    folder : Path
+        Empty folder for its configuration, key, sockets, state and logs.
+    """
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.configuration = folder / "slurm.conf"
+        self.daemons: dict[str, subprocess.Popen] = {}
+        # Snakemake and its executor drop SLURM_CONF from the environment, so that it is set by
+        # wrappers of the commands, which come first on the path. Nothing is written to /etc.
+        self.environment = {
+            **os.environ,
+            MARK: str(folder),
+            "PATH": f"{folder / 'bin'}:{Path(sys.executable).parent}:{os.environ['PATH']}",
+        }
+
+    def start(self) -> None:
+        """Start all daemons and wait until the nodes take jobs."""
+        for name in ("bin", "state", *NODES):
+            (self.folder / name).mkdir()
+        for name in COMMANDS:
+            path = self.folder / "bin" / name
+            path.write_text(
+                f'#!/bin/sh\nSLURM_CONF={self.configuration} exec {program(name)} "$@"\n'
+            )
+            path.chmod(0o755)
+        key = self.folder / "munge.key"
+        key.touch(mode=0o600)
+        key.write_bytes(secrets.token_bytes(128))
+        controller, *ports = free_ports(1 + len(NODES))
+        nodes = (
+            f"NodeName={name} NodeHostname=localhost NodeAddr=127.0.0.1 Port={port} "
+            f"CPUs={CORES} RealMemory={MEMORY_MB} State=UNKNOWN"
+            for name, port in zip(NODES, ports, strict=True)
+        )
+        self.configuration.write_text(
+            CONFIGURATION.format(
+                host=socket.gethostname().split(".")[0], folder=self.folder,
+                controller=controller, nodes="\n".join(nodes), names=",".join(NODES),
+            )
+        )  # fmt: skip
+
+        munge = [f"--{part}-file={self.folder}/munge.{part}" for part in ("key", "pid", "log")]
+        self._daemon(
+            "munged", "--foreground", "--force", *munge, f"--seed-file={self.folder}/munge.seed",
+            f"--socket={self.folder}/munge.socket",
+        )  # fmt: skip
+        wait_for((self.folder / "munge.socket").exists, "munged", 30)
+        self._daemon("slurmctld", "-D", "-c", "-f", str(self.configuration))
+        for node in NODES:
+            self._daemon("slurmd", "-D", "-N", node, "-f", str(self.configuration), node=node)
+        wait_for(lambda: set(self.node_states().values()) == {"idle"}, "starting Slurm", 120)
+
+    def _daemon(self, name: str, *arguments: str, node: str | None = None) -> None:
+        with open(self.folder / f"{node or name}.out", "wb") as out:
+            self.daemons[node or name] = subprocess.Popen(
+                [program(name), *arguments],
+                env={**self.environment, **({NODE_VARIABLE: node} if node else {})},
+                stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )  # fmt: skip
+
+    def command(self, *words: str) -> str:
+        """Output of a Slurm command; empty where the controller does not answer."""
+        done = subprocess.run(
+            words, env=self.environment, capture_output=True, text=True, timeout=60, check=False
+        )
+        return done.stdout
+
+    def node_states(self) -> dict[str, str]:
+        """State of each node, as sinfo has it."""
+        lines = self.command("sinfo", "--noheader", "--Node", "--format=%N %t").splitlines()
+        return dict(line.split() for line in lines)
+
+    def jobs(self) -> list[dict[str, str]]:
+        """Every job that was ever submitted, with the fields of `scontrol show job`."""
+        lines = self.command("scontrol", "show", "job", "--oneliner").splitlines()
+        found = [dict(re.findall(r"(\S+?)=(\S*)", line)) for line in lines if "JobId=" in line]
+        return [{**job, "Rule": rule_of(job)} for job in found]
+
+    def processes(self, node: str | None = None) -> list[psutil.Process]:
+        """Everything that runs for this Slurm or for one node of it, whatever its parent."""
+        return [process for process in psutil.process_iter() if self._owns(process, node)]
+
+    def _owns(self, process: psutil.Process, node: str | None) -> bool:
+        environment = environment_of(process)
+        if environment.get(MARK) == str(self.folder):
+            return node in (None, environment.get(NODE_VARIABLE))
+        # Those that watch over a job write their title over their environment, but hold the log
+        # of their node.
+        with contextlib.suppress(psutil.Error, OSError):
+            if process.name().startswith("slurmstepd"):
+                logs = {
+                    str(self.folder / f"{name}.log") for name in (NODES if not node else [node])
+                }
+                return any(file.path in logs for file in process.open_files())
+        return False
+
+    def kill_node(self, name: str) -> None:
+        """Let a node die at once, with everything that runs on it."""
+        doomed = self.processes(name)
+        # Stopped first, so that none lives to report that another died.
+        for end in (psutil.Process.suspend, psutil.Process.kill):
+            for process in doomed:
+                with contextlib.suppress(psutil.Error):
+                    end(process)
+
+    def stop(self) -> None:
+        """End everything that runs for this Slurm."""
+        for end in (psutil.Process.terminate, psutil.Process.kill):
+            for process in self.processes():
+                with contextlib.suppress(psutil.Error):
+                    end(process)
+            with contextlib.suppress(DemoError):
+                wait_for(lambda: not self.processes(), "stopping Slurm", 10)
+
+
+def rule_of(job: dict[str, str]) -> str:
+    """Rule of a job, from the comment that snakemake gives it."""
+    return re.sub(r"^rule_|_wildcards_.*", "", job.get("Comment", ""))
+
+
+def environment_of(process: psutil.Process) -> dict[str, str]:
+    """Environment that a process was started with; empty where it cannot be read."""
+    try:
+        return process.environ()
+    except (psutil.Error, OSError):
+        return {}
+
+
+class Memory:
+    """The most memory of each job at one time: of all its processes, shared pages in each."""
+
+    def __init__(self):
+        self.most_mb: dict[str, float] = {}
+
+    def look(self, cluster: Cluster) -> None:
+        """Look at the jobs that run now."""
+        now: Counter = Counter()
+        for process in cluster.processes():
+            if job := environment_of(process).get("SLURM_JOB_ID"):
+                with contextlib.suppress(psutil.Error):
+                    now[job] += process.memory_info().rss / 2**20
+        for job, megabytes in now.items():
+            self.most_mb[job] = max(self.most_mb.get(job, 0.0), megabytes)
+
+
+@dataclass
+class Harm:
+    """What was done to the cluster while the study ran: job numbers."""
+
+    on_both: bool = False
+    killed: list[str] = field(default_factory=list)
+    noticed: bool = False
+    cancelled: list[str] = field(default_factory=list)
+
+
+def harm(cluster: Cluster, done: Harm) -> Iterator[None]:
+    """Kill a node, later cancel a job; yields wherever there is to wait."""
+    while not set(NODES) <= {job["NodeList"] for job in running(cluster, "simulate")}:
+        yield
+    done.on_both = True
+    say(cluster.command("squeue", "--format=%.5i %.9T %.4N %.6M %.8m %.10l  %k").rstrip())
+    done.killed = [job["JobId"] for job in running(cluster) if job["NodeList"] == DOOMED]
+    cluster.kill_node(DOOMED)
+    say(f"{DOOMED} killed, with jobs {', '.join(done.killed)}")
+    while not cluster.node_states()[DOOMED].startswith("down"):
+        yield
+    done.noticed = True
+    say(f"the controller has noticed: {cluster.node_states()}")
+    while not (jobs := running(cluster, "simulate") or running(cluster)):
+        yield
+    done.cancelled = [jobs[0]["JobId"]]
+    cluster.command("scancel", jobs[0]["JobId"])
+    say(f"job {jobs[0]['JobId']} ({jobs[0]['Rule']}) cancelled")
+
+
+def running(cluster: Cluster, rule: str | None = None) -> list[dict[str, str]]:
+    """Jobs that run now, of one rule or all."""
+    return [
+        job
+        for job in cluster.jobs()
+        if job["JobState"] == "RUNNING" and rule in (None, job["Rule"])
+    ]
+
+
+def say(text: str) -> None:
+    """Print at once."""
+    print(text, flush=True)
+
+
+def snakemake(*arguments: str) -> list[str]:
+    """Command that runs the study of the demonstration on Slurm."""
+    return [
+        sys.executable, "-m", "snakemake", *arguments,
+        "--workflow-profile", "profiles/slurm", "--configfile", "config.yaml",
+        "studies/smoke.yaml", "--config", f"study={STUDY}",
+    ]  # fmt: skip
+
+
+def demonstrate(cluster: Cluster, targets: list[str], minutes: float) -> bool:
+    """Run the study, harm the cluster meanwhile, and say whether all went well."""
+    results = ROOT / "results" / STUDY
+    shutil.rmtree(results, ignore_errors=True)
+    log = results / "logs" / "slurm.log"
+    log.parent.mkdir(parents=True)
+    say(f"{STUDY} starts, see {log.relative_to(ROOT)}")
+    memory, done = Memory(), Harm()
+    steps = harm(cluster, done)
+    start = time.monotonic()
+    with open(log, "wb") as out:
+        run = subprocess.Popen(
+            # All jobs are short, so their ends are asked for often.
+            snakemake(
+                *targets, "--slurm-status-command", "squeue",
+                "--slurm-init-seconds-before-status-checks", "2", "--latency-wait", "10",
+                "--cores", str(len(NODES) * CORES), "--max-threads", str(CORES),
+            ),
+            cwd=ROOT, env=cluster.environment, stdin=subprocess.DEVNULL, stdout=out,
+            stderr=subprocess.STDOUT,
+        )  # fmt: skip
+        while run.poll() is None:
+            if time.monotonic() - start > 60.0 * minutes:
+                raise DemoError(f"the study took more than {minutes:g} minutes, see {log}")
+            memory.look(cluster)
+            next(steps, None)
+            time.sleep(0.5)
+    say(f"{STUDY} ended after {time.monotonic() - start:.0f} s")
+    jobs = cluster.jobs()
+    table = results / "logs" / "slurm_jobs.csv"
+    write_jobs(table, jobs, memory)
+    say(f"{len(jobs)} jobs of Slurm, see {table.relative_to(ROOT)}")
+    left = subprocess.run(
+        snakemake(*targets, "--dry-run"), cwd=ROOT, env=cluster.environment, text=True,
+        capture_output=True, check=False,
+    )  # fmt: skip
+    complete = run.returncode == 0 and "Nothing to be done" in left.stdout + left.stderr
+    return verdict(jobs, memory, done, complete)
+
+
+COLUMNS = (
+    "JobId", "Rule", "Comment", "JobState", "NodeList", "Restarts", "SubmitTime", "StartTime",
+    "EndTime", "TimeLimit", "MinMemoryNode",
+)  # fmt: skip
+
+
+def write_jobs(path: Path, jobs: list[dict[str, str]], memory: Memory) -> None:
+    """Write a table of all jobs."""
+    with open(path, "w", encoding="utf-8", newline="") as out:
+        table = csv.writer(out)
+        table.writerow([*COLUMNS, "MostMemoryMB"])
+        for job in jobs:
+            most = memory.most_mb.get(job["JobId"], 0.0)
+            table.writerow([*(job.get(name, "") for name in COLUMNS), f"{most:.0f}"])
+
+
+def verdict(jobs: list[dict[str, str]], memory: Memory, done: Harm, complete: bool) -> bool:
+    """Print what the jobs show, and whether each expectation is met."""
+    for node in NODES:
+        states = Counter(job["JobState"].lower() for job in jobs if job["NodeList"] == node)
+        say(f"  {node}: " + ", ".join(f"{count} {state}" for state, count in states.items()))
+    completed = {job["Comment"] for job in jobs if job["JobState"] == "COMPLETED"}
+    requeued = [job for job in jobs if int(job.get("Restarts", 0)) > 0]
+    again = [job for job in jobs if job["JobId"] in done.cancelled and job["Comment"] in completed]
+    asked = {job["JobId"]: megabytes(job["MinMemoryNode"]) for job in jobs}
+    if not jobs:
+        say("Slurm demonstration: FAILED: no job was submitted")
+        return False
+    used = {job: memory.most_mb.get(job, 0.0) / most for job, most in asked.items()}
+    fullest = max(jobs, key=lambda job: used[job["JobId"]])
+    number = fullest["JobId"]
+    say(
+        f"  most memory against what was asked for: {memory.most_mb[number]:.0f} of "
+        f"{asked[number]:.0f} MB, {fullest['Rule']}"
+    )
+    checks = {
+        "simulations ran on both nodes at a time": done.on_both,
+        f"a node died with {len(done.killed)} jobs on it": done.noticed and bool(done.killed),
+        f"{len(requeued)} jobs were queued again by Slurm": set(done.killed)
+        <= {job["JobId"] for job in requeued},
+        f"{len(again)} cancelled job was submitted again by snakemake": bool(again),
+        "no job used more memory than it asked for": max(used.values()) <= 1.0,
+        "the study is complete": complete,
+    }
+    for what, met in checks.items():
+        say(f"  {'yes' if met else 'NO '}  {what}")
+    say(f"Slurm demonstration: {'passed' if all(checks.values()) else 'FAILED'}")
+    return all(checks.values())
+
+
+def megabytes(text: str) -> float:
+    """Memory as scontrol prints it, such as 1500M or 2G."""
+    units = {"K": 2.0**-10, "M": 1.0, "G": 2.0**10, "T": 2.0**20}
+    return float(text[:-1]) * units[text[-1]] if text[-1] in units else float(text)
+
+
+def main() -> int:
+    """Run the demonstration; 0 where it passed or was skipped."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("targets", nargs="*", help="of snakemake; default: the whole study")
+    parser.add_argument("--minutes", type=float, default=40.0, help="the longest it may take")
+    arguments = parser.parse_args()
+    if reason := why_not():
+        print(f"slurm-demo skipped: {reason}")
+        return 0
+
+    def interrupted(number, frame):
+        raise KeyboardInterrupt
+
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, interrupted)
+    folder = Path(tempfile.mkdtemp(prefix="abradem-slurm-"))
+    cluster = Cluster(folder)
+    passed = False
+    try:
+        cluster.start()
+        say(f"{cluster.command('sinfo', '--version').strip()}: nodes {cluster.node_states()}")
+        passed = demonstrate(cluster, arguments.targets, arguments.minutes)
+    except DemoError as error:
+        say(f"Slurm demonstration: FAILED: {error}")
+    except KeyboardInterrupt:
+        say("Slurm demonstration: interrupted")
+    finally:
+        cluster.stop()
+        if passed:
+            shutil.rmtree(folder, ignore_errors=True)
+        else:
+            say(f"logs of the daemons are kept in {folder}")
+    return 0 if passed else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

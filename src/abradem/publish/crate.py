@@ -1,0 +1,119 @@
+"""The RO-Crate of the run: what it took, what it ran with, what it made, with hashes.
+
+RO-Crate 1.1 (https://w3id.org/ro/crate/1.1) and its profile for runs of a program, Process Run
+Crate 0.5 (https://w3id.org/ro/wfrun/process/0.5).
+"""
+
+from __future__ import annotations
+
+from abradem.publish.description import LICENCE, LICENCE_NAME, LICENCE_URL, Description, File
+
+PROFILE = "https://w3id.org/ro/wfrun/process/0.5"
+INPUTS = ("config.yaml",)
+ABOUT = ("README.md", "croissant.json")
+"""Files that say something of the results, and were not made by the run."""
+
+
+def crate(description: Description) -> dict:
+    """The descriptor, to be written as ro-crate-metadata.json beside the files."""
+    versions = dict(description.versions["versions"])
+    ours = versions.pop("abradem")
+    made = [f for f in description.files if f.name not in (*INPUTS, *ABOUT)]
+    packages = [
+        {
+            "@id": f"#{name}",
+            "@type": "SoftwareApplication",
+            "name": name,
+            "softwareVersion": version,
+            "version": version,
+        }
+        for name, version in sorted(versions.items())
+    ]
+    creators = [
+        {"@id": f"#creator-{number}", "@type": "Person", "name": name}
+        for number, name in enumerate(description.creators, start=1)
+    ]
+    root = {
+        "@id": "./",
+        "@type": "Dataset",
+        "name": description.title,
+        "description": description.abstract,
+        "version": description.version,
+        "datePublished": description.date,
+        "license": {"@id": LICENCE_URL},
+        "creator": _ids(creators),
+        "citation": description.citation,
+        "conformsTo": {"@id": PROFILE},
+        "mentions": {"@id": "#run"},
+        "hasPart": [{"@id": file.name} for file in description.files],
+        **({"identifier": description.url, "url": description.url} if description.url else {}),
+    }
+    run = {
+        "@id": "#run",
+        "@type": "CreateAction",
+        "name": f"Run of the study {description.study}",
+        "description": (
+            f"snakemake with config.yaml of this crate, seed {description.versions['seed']}; "
+            "versions.json holds a hash of the code of every step"
+        ),
+        "instrument": {"@id": "#abradem"},
+        "agent": {"@id": creators[0]["@id"]},
+        "object": [{"@id": name} for name in INPUTS],
+        "result": [{"@id": file.name} for file in made],
+        "actionStatus": {"@id": "http://schema.org/CompletedActionStatus"},
+    }
+    software = {
+        "@id": "#abradem",
+        "@type": "SoftwareApplication",
+        "name": "abradem",
+        "description": "From ranges of material and geometry to a wear data set and wear models",
+        "softwareVersion": ours,
+        "version": ours,
+        "softwareRequirements": _ids(packages),
+    }
+    return {
+        "@context": "https://w3id.org/ro/crate/1.1/context",
+        "@graph": [
+            {
+                "@id": "ro-crate-metadata.json",
+                "@type": "CreativeWork",
+                "conformsTo": {"@id": "https://w3id.org/ro/crate/1.1"},
+                "about": {"@id": "./"},
+            },
+            root,
+            {
+                "@id": LICENCE_URL,
+                "@type": "CreativeWork",
+                "name": LICENCE_NAME,
+                "identifier": LICENCE,
+                "url": LICENCE_URL,
+            },
+            {
+                "@id": PROFILE,
+                "@type": "CreativeWork",
+                "name": "Process Run Crate",
+                "version": "0.5",
+            },
+            *creators,
+            run,
+            software,
+            *packages,
+            *map(_file, description.files),
+        ],
+    }
+
+
+def _ids(entities: list[dict]) -> list[dict]:
+    return [{"@id": entity["@id"]} for entity in entities]
+
+
+def _file(file: File) -> dict:
+    return {
+        "@id": file.name,
+        "@type": "File",
+        "name": file.name,
+        "description": file.words,
+        "encodingFormat": file.media_type,
+        "contentSize": str(file.size),
+        "sha256": file.sha256,
+    }

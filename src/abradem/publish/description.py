@@ -1,0 +1,165 @@
+"""What card and descriptors say, and which files they list."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import PurePosixPath
+
+import pandas as pd
+
+LICENCE = "CC-BY-4.0"
+LICENCE_NAME = "Creative Commons Attribution 4.0 International"
+LICENCE_URL = "https://creativecommons.org/licenses/by/4.0/"
+
+PARTITIONED = {
+    "dataset": "The data set in one part for each block",
+    "series": "Worn volume over time of every case, for an Archard constant of 1 1/Pa",
+    "maps": "Wear of each facet within the window, for an Archard constant of 1 1/Pa",
+    "runs": "How each simulation ended: status, times, feed, standard error",
+}
+"""Folders that hold one table in parts, by block."""
+
+_WORDS = {
+    "README.md": "Data card: how the data were made, ranges, units, known limits",
+    "croissant.json": "Croissant descriptor of the tables",
+    "ro-crate-metadata.json": "RO-Crate descriptor of the run",
+    "dataset.parquet": "The data set, one row for each case: quantities and wear depth rates",
+    "cases.parquet": "Parameter sets of all cases, also of those that gave no rate",
+    "failures.parquet": "Cases that gave no wear rate, and why",
+    "config.yaml": "Configuration of the run, defaults filled in",
+    "versions.json": "Versions of the packages, seed, hashes of the code of each step",
+    "summary.json": "Headline numbers",
+}
+_FOLDER_WORDS = {
+    "figures": "Figure",
+    "tables": "Table",
+    "models": "Model that knows the physics",
+    "learning": "Model, its scores or predictions",
+}
+_MEDIA_TYPES = {
+    ".parquet": "application/vnd.apache.parquet",
+    ".json": "application/json",
+    ".yaml": "application/yaml",
+    ".md": "text/markdown",
+    ".csv": "text/csv",
+    ".html": "text/html",
+    ".pdf": "application/pdf",
+    ".png": "image/png",
+    ".safetensors": "application/octet-stream",
+}
+
+
+@dataclass(frozen=True)
+class File:
+    """A file of the folder.
+
+    Parameters
+    ----------
+    name : str
+        Path within the folder, with slashes.
+    size : int
+        Bytes.
+    sha256 : str
+        Hexadecimal.
+    columns : tuple
+        Of a Parquet table: name, type, unit and meaning of each column.
+    """
+
+    name: str
+    size: int
+    sha256: str
+    columns: tuple[tuple[str, str, str, str], ...] = ()
+
+    @property
+    def media_type(self) -> str:
+        """Its MIME type."""
+        return _MEDIA_TYPES[PurePosixPath(self.name).suffix]
+
+    @property
+    def folder(self) -> str:
+        """First folder of its path, empty for none."""
+        return self.name.partition("/")[0] if "/" in self.name else ""
+
+    @property
+    def words(self) -> str:
+        """What it holds."""
+        if self.folder in PARTITIONED:
+            return PARTITIONED[self.folder]
+        return _WORDS.get(self.name) or f"{_FOLDER_WORDS[self.folder]}: {self.stem}"
+
+    @property
+    def stem(self) -> str:
+        """Its name without folders and suffix, in words."""
+        return PurePosixPath(self.name).stem.replace("_", " ")
+
+
+@dataclass(frozen=True)
+class Description:
+    """Everything that card and descriptors say.
+
+    Parameters
+    ----------
+    study, title, version, date : str
+        ``date`` as YYYY-MM-DD.
+    creators : tuple of str
+    url : str or None
+        Where the data set can be had.
+    config, setup, summary, noise, versions : mapping
+        The configuration, plain values of the `Setup`, and the contents of summary.json,
+        learning/noise_floor.json and versions.json.
+    dataset, failures : pandas.DataFrame
+    files : tuple of File
+    """
+
+    study: str
+    title: str
+    creators: tuple[str, ...]
+    version: str
+    date: str
+    url: str | None
+    config: Mapping
+    setup: Mapping
+    dataset: pd.DataFrame
+    failures: pd.DataFrame
+    summary: Mapping
+    noise: Mapping
+    versions: Mapping
+    files: tuple[File, ...]
+
+    def with_files(self, files: Iterable[File]) -> Description:
+        """The same with other files."""
+        return replace(self, files=tuple(files))
+
+    @property
+    def abstract(self) -> str:
+        """What the data set is, in three sentences."""
+        return (
+            f"Wear depth rates of an inclined plate under a jet of spheres for "
+            f"{len(self.dataset)} sets of material and geometry parameters. Simulated with the "
+            "discrete element method (Hertz-Mindlin contact) and Archard's law of wear by "
+            f"abradem {self.versions['versions']['abradem']}. Each rate comes with its standard "
+            "error and quality flags."
+        )
+
+    @property
+    def citation(self) -> str:
+        """How to cite the data set, as text."""
+        where = f" {self.url}" if self.url else ""
+        return (
+            f"{', '.join(self.creators)} ({self.date[:4]}). {self.title} (version "
+            f"{self.version}) [data set].{where}"
+        )
+
+    @property
+    def bibtex(self) -> str:
+        """How to cite the data set, as BibTeX."""
+        fields = {
+            "author": " and ".join(self.creators),
+            "title": self.title,
+            "year": self.date[:4],
+            "version": self.version,
+            **({"url": self.url} if self.url else {}),
+        }
+        lines = (f"  {name} = {{{value}}}" for name, value in fields.items())
+        return "\n".join([f"@misc{{abradem_{self.study},", ",\n".join(lines), "}"])

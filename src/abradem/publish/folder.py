@@ -1,0 +1,190 @@
+"""The published folder: copies of results, data sets partitioned by block, what describes them.
+
+The folder is built beside its place and renamed when it is complete. Nothing in it depends on
+the time at which it is made, so that the same results give the same bytes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import datetime
+import hashlib
+import re
+import shutil
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+import pyarrow.parquet as pq
+
+from abradem.dataset import read_json, read_table, write_json, write_table
+from abradem.provenance import write_text
+from abradem.publish.card import card
+from abradem.publish.crate import crate
+from abradem.publish.croissant import croissant
+from abradem.publish.description import Description, File
+
+DATASET = "dataset.parquet"
+SHARD = re.compile(r"block-(\d+)-shard-(\d+)\.parquet")
+
+
+@dataclass(frozen=True)
+class Study:
+    """What the folder says of a study.
+
+    Parameters
+    ----------
+    name : str
+        Name of the study.
+    config : mapping
+        Its whole configuration.
+    setup : mapping
+        Plain values of the `Setup`.
+    said : mapping
+        The section ``publish`` of the configuration.
+    """
+
+    name: str
+    config: Mapping
+    setup: Mapping
+    said: Mapping
+
+
+def publish(folder: Path, results: Path, files: Iterable[Path], study: Study) -> None:
+    """Make the folder.
+
+    Parameters
+    ----------
+    folder : path
+        Where it goes; what is there is replaced when the new one is complete.
+    results : path
+        Folder of the study.
+    files : iterable of path
+        Files below ``results``, copied under the same names. Among them must be
+        dataset.parquet, failures.parquet, config.yaml, versions.json, summary.json and
+        learning/noise_floor.json. Tables ``<name>/block-<block>-shard-<shard>.parquet`` become
+        ``<name>/block=<block>/shard-<shard>.parquet``.
+    study : Study
+
+    Raises
+    ------
+    RuntimeError
+        If mlcroissant is installed and finds the descriptor wrong.
+    """
+    results = Path(results)
+    with replacing_folder(folder) as new:
+        for source in map(Path, files):
+            if SHARD.fullmatch(source.name):
+                _add_shard(source, new)
+            else:
+                _copy(source, new / source.relative_to(results))
+        _partition(new / DATASET, new / Path(DATASET).stem)
+        description = Description(
+            study=study.name,
+            title=study.said["title"]
+            or f"Wear of an inclined plate under a jet of stones: study {study.name}",
+            creators=tuple(study.said["creators"]),
+            version=study.said["version"],
+            date=study.said["date"] or _day(results / DATASET),
+            url=study.said["url"],
+            config=study.config,
+            setup=study.setup,
+            dataset=read_table(new / DATASET),
+            failures=read_table(new / "failures.parquet"),
+            summary=read_json(new / "summary.json"),
+            noise=read_json(new / "learning" / "noise_floor.json"),
+            versions=read_json(new / "versions.json"),
+            files=tuple(listed(new)),
+        )
+        # Each lists the files that were written before it.
+        write_json(croissant(description), new / "croissant.json")
+        _validate(new / "croissant.json")
+        write_text(card(description), new / "README.md")
+        write_json(crate(description.with_files(listed(new))), new / "ro-crate-metadata.json")
+
+
+@contextlib.contextmanager
+def replacing_folder(folder: str | Path) -> Iterator[Path]:
+    """An empty folder that takes the place of ``folder`` when the block ends well."""
+    folder = Path(folder)
+    new, old = (folder.with_name(f".{folder.name}.{word}") for word in ("new", "old"))
+    for left in (new, old):
+        shutil.rmtree(left, ignore_errors=True)
+    new.mkdir(parents=True)
+    try:
+        yield new
+        if folder.exists():
+            folder.rename(old)
+        new.rename(folder)
+    finally:
+        for left in (new, old):
+            shutil.rmtree(left, ignore_errors=True)
+
+
+def listed(folder: Path) -> list[File]:
+    """All files below a folder, sorted, with sizes, hashes and the columns of tables."""
+    return [
+        _file(path, path.relative_to(folder).as_posix())
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    ]
+
+
+def _file(path: Path, name: str) -> File:
+    columns: tuple[tuple[str, str, str, str], ...] = ()
+    if path.suffix == ".parquet":
+        columns = tuple(
+            (field.name, str(field.type), *_words(field.metadata or {}))
+            for field in pq.read_schema(path)
+        )
+    with open(path, "rb") as content:
+        digest = hashlib.file_digest(content, "sha256").hexdigest()
+    return File(name, path.stat().st_size, digest, columns)
+
+
+def _words(metadata: Mapping[bytes, bytes]) -> tuple[str, str]:
+    """Unit and meaning of a column."""
+    return tuple(metadata.get(key, b"").decode("utf-8") for key in (b"units", b"long_name"))
+
+
+def _copy(source: Path, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(source, target)
+
+
+def _partition(table: Path, folder: Path) -> None:
+    """Write the rows of each block as a part; the folder's name says the block, as Hive does."""
+    for block, rows in read_table(table).groupby("block", sort=True):
+        _write_part(rows, folder / f"block={block:03d}" / "part-0.parquet")
+
+
+def _add_shard(source: Path, folder: Path) -> None:
+    block, shard = SHARD.fullmatch(source.name).groups()
+    target = folder / source.parent.name / f"block={block}" / f"shard-{shard}.parquet"
+    if "block" in pq.read_schema(source).names:
+        _write_part(read_table(source), target)
+    else:
+        _copy(source, target)
+
+
+def _write_part(rows: pd.DataFrame, path: Path) -> None:
+    # Readers take the block from the folder's name; a column of that name would be in conflict.
+    write_table(rows.drop(columns="block").reset_index(drop=True), path)
+
+
+def _validate(path: Path) -> None:
+    try:
+        import mlcroissant
+    except ImportError:
+        print(f"{path.name}: not validated, as mlcroissant is not installed")
+        return
+    try:
+        mlcroissant.Dataset(jsonld=path)
+    except mlcroissant.ValidationError as error:
+        raise RuntimeError(f"{path.name}: {error}") from None
+
+
+def _day(path: Path) -> str:
+    modified = datetime.datetime.fromtimestamp(path.stat().st_mtime, datetime.UTC)
+    return modified.date().isoformat()

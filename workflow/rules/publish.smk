@@ -1,0 +1,61 @@
+# On demand: snakemake publish, a folder ready for an archive.
+localrules:
+    publish,
+
+
+rule publish:
+    input:
+        f"{RESULTS}/publish/ro-crate-metadata.json",
+
+
+# Inputs without names: of a named list, Snakemake hashes all of it for each of its files.
+rule published_folder:
+    input:
+        CASES,
+        FAILURES,
+        rules.dataset.output,
+        rules.provenance.output,
+        rules.summary.output,
+        rules.figures.input,
+        expand(rules.table.output, table=TABLES),
+        rules.linear.output,
+        rules.penalised.output,
+        rules.pca.output,
+        rules.selection.output,
+        rules.trees.output,
+        expand(rules.ga_ann.output, protocol=PROTOCOLS),
+        rules.scores.output,
+        rules.physical.output,
+        rules.intervals.output,
+        rules.surrogate.output,
+        rules.sensitivity.output,
+        rules.reach.output,
+        rules.noise_floor.output,
+        rules.findings.output,
+        (
+            [
+                *shard_paths(rules.simulate.output.series),
+                *shard_paths(rules.simulate.output.maps),
+                *RUNS,
+            ]
+            if CONFIG.publish.series
+            else []
+        ),
+    output:
+        f"{RESULTS}/publish/ro-crate-metadata.json",
+        f"{RESULTS}/publish/croissant.json",
+        f"{RESULTS}/publish/README.md",
+    log:
+        f"{LOGS}/publish.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        study={
+            "name": CONFIG.study,
+            "config": CONFIG.model_dump(mode="json"),
+            "setup": SETUP,
+            "said": CONFIG.publish.model_dump(),
+        },
+        code=CODE["publish"],
+    script:
+        "../scripts/publish.py"
