@@ -14,7 +14,7 @@ FILES := config.yaml $(filter-out config.yaml,$(STUDY))
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup run verify bench slurm-demo test lint clean
+.PHONY: help setup run verify bench slurm-demo kills soak test lint clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -31,7 +31,8 @@ $(STAMP): pyproject.toml constraints.txt
 run: $(STAMP) ## a study and its report: make run, make run STUDY=studies/smoke.yaml
 	@folder=$$($(BIN)/abradem config --folder $(FILES)) && \
 	$(BIN)/snakemake --configfile $(FILES) $(ARGS) && \
-	$(BIN)/snakemake --configfile $(FILES) --report $$folder/report.html --quiet && \
+	$(BIN)/snakemake --configfile $(FILES) --report $$folder/.report.html --quiet && \
+	mv -f $$folder/.report.html $$folder/report.html && \
 	echo $$folder/report.html
 
 verify: $(STAMP) ## the engine against what is known: results/verification/results.md
@@ -43,6 +44,12 @@ bench: $(STAMP) ## the engine timed against other codes: make bench ARGS="A B --
 
 slurm-demo: $(STAMP) ## the smoke study on a real Slurm of two nodes, where one is installed
 	@$(BIN)/python profiles/slurm/demo.py $(ARGS)
+
+kills: $(STAMP) ## a study killed and resumed, 50 times: make kills, make kills ARGS=10
+	@$(BIN)/python tests/workflow/kills.py $(ARGS)
+
+soak: $(STAMP) ## an hour of the engine on random cases: make soak, make soak ARGS="--minutes 5"
+	@$(BIN)/python benchmarks/soak.py --table results/benchmarks/soak.csv $(ARGS)
 
 test: $(STAMP) ## all tests
 	$(BIN)/python -m pytest

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import os
 import threading
 import time
 
@@ -217,6 +218,21 @@ def test_a_damaged_kept_case_is_simulated_again(engine, tmp_path):
     engine.fails_at = None
     tables = run(tmp_path)
     assert len(engine.calls) == 3 and len(tables["runs"]) == 4
+
+
+def test_a_clock_that_jumps_changes_nothing(engine, tmp_path):
+    """Files of an interrupted shard from 1970 and from 2096 are taken up all the same."""
+    run(tmp_path / "whole")
+    engine.fails_at = 7
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path / "cut")
+    for number, path in enumerate(sorted((tmp_path / "cut").rglob("*.*"))):
+        os.utime(path, [(0.0, 0.0), (4e9, 4e9)][number % 2])
+    run(tmp_path / "cut")
+    assert len(engine.calls) == 4 + 3 + 2
+    for name in TABLES:
+        whole = (tmp_path / "whole" / f"{name}.parquet").read_bytes()
+        assert (tmp_path / "cut" / f"{name}.parquet").read_bytes() == whole
 
 
 def test_two_processes_at_the_same_shard_take_turns(engine, tmp_path):

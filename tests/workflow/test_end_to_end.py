@@ -15,6 +15,7 @@ import sys
 import time
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import yaml
 from tables import product_law
@@ -174,6 +175,17 @@ def test_configuration_versions_and_seed_stand_beside_the_results(project):
 def test_no_file_of_the_way_is_left(project):
     left = [path for path in project.results.rglob(".*")]
     assert left == []
+
+
+def test_a_shard_takes_half_the_memory_that_it_asks_a_cluster_for(project):
+    shown = project.snakemake(
+        "simulation", "--dry-run", "--forcerun", "simulate", "--quiet", "host"
+    ).stdout
+    asked = re.findall(r"^rule simulate:\n(?:    .*\n)*?.*\bmem_mb=(\d+)", shown, re.MULTILINE)
+    measured = (project.results / "benchmarks" / "simulate").glob("*.tsv")
+    used = [pd.read_csv(path, sep="\t")["max_rss"].max() for path in measured]
+    assert len(asked) == len(used) == SHARDS
+    assert max(used) < min(map(int, asked)) / 2
 
 
 def test_nothing_is_to_be_done_after_a_run(project):

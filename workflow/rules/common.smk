@@ -23,7 +23,7 @@ from abradem.shards import shards_of_block
 
 
 def file_of_workflow(path):
-    """A file of this workflow as a rule names it: relative where the run is in its folder."""
+    """A file of this workflow as rules name it: relative where the run is in its folder."""
     full = Path(HOME, path)
     return str(
         full.relative_to(Path.cwd()) if full.is_relative_to(Path.cwd()) else full

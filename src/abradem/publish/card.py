@@ -162,7 +162,7 @@ def _columns(said: Description) -> Iterable[str]:
         middle = ["", "", ""]
         if dtype != "string" and name not in ("case_id", "block", "seed"):
             values = said.dataset[name]
-            middle = [f"{value:.3g}" for value in (values.min(), values.median(), values.max())]
+            middle = [_number(value) for value in (values.min(), values.median(), values.max())]
         symbol = f"{symbols[name]}: " if name in symbols else ""
         lines.append(f"| `{name}` | {unit} | {' | '.join(middle)} | {symbol}{words} |")
     return lines
@@ -194,12 +194,17 @@ def _limits(said: Description) -> Iterable[str]:
         "",
         "- **Noise.** The relative standard error of `wear_total_mean` is "
         f"{relative.median():.2%} in the median and {relative.quantile(0.95):.2%} at the 95th "
-        f"percentile. {noise['cases']} cases simulated again with other seeds "
-        f"({noise['replicates']} runs): no model of this column can exceed R2 = "
+        f"percentile. {noise['cases']} cases of large stones simulated again with other seeds "
+        f"({noise['replicates']} runs) show that no model of this column can exceed R2 = "
         f"{noise['r2_floor']:.5f} ({noise['r2_floor_band'][0]:.5f} to "
         f"{noise['r2_floor_band'][1]:.5f}). The columns `max` and `p99` rest on a few facets, "
-        "are noisier, and depend on the size of the facets; `wear_total_p99` is zero in "
-        f"{untouched} cases, whose stones left most facets untouched.",
+        "are noisier, and depend on the size of the facets"
+        + (
+            f"; `wear_total_p99` is zero in {untouched} cases, whose stones left most facets "
+            "untouched."
+            if untouched
+            else "."
+        ),
         "- **Time step.** "
         + (
             f"At {step:g} of the Rayleigh time it biases {bias}."
@@ -239,6 +244,10 @@ def _rights(said: Description) -> Iterable[str]:
         "",
         "The programs that made it are under a licence of their own (MIT).",
     ]
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if 1e-3 <= abs(value) < 1e5 else f"{value:.3g}"
 
 
 def _row(name: str, words: str, size: int) -> str:

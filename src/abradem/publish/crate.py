@@ -9,7 +9,8 @@ from __future__ import annotations
 from abradem.publish.description import LICENCE, LICENCE_NAME, LICENCE_URL, Description, File
 
 PROFILE = "https://w3id.org/ro/wfrun/process/0.5"
-INPUTS = ("config.yaml",)
+PYTHON = "https://www.python.org/"
+INPUT = "config.yaml"
 ABOUT = ("README.md", "croissant.json")
 """Files that say something of the results, and were not made by the run."""
 
@@ -18,16 +19,17 @@ def crate(description: Description) -> dict:
     """The descriptor, to be written as ro-crate-metadata.json beside the files."""
     versions = dict(description.versions["versions"])
     ours = versions.pop("abradem")
-    made = [f for f in description.files if f.name not in (*INPUTS, *ABOUT)]
+    made = [f for f in description.files if f.name not in (INPUT, *ABOUT)]
     packages = [
         {
-            "@id": f"#{name}",
+            "@id": address,
             "@type": "SoftwareApplication",
             "name": name,
+            "url": address,
             "softwareVersion": version,
-            "version": version,
         }
         for name, version in sorted(versions.items())
+        for address in [PYTHON if name == "python" else f"https://pypi.org/project/{name}/"]
     ]
     creators = [
         {"@id": f"#creator-{number}", "@type": "Person", "name": name}
@@ -41,7 +43,7 @@ def crate(description: Description) -> dict:
         "version": description.version,
         "datePublished": description.date,
         "license": {"@id": LICENCE_URL},
-        "creator": _ids(creators),
+        "author": _ids(creators),
         "citation": description.citation,
         "conformsTo": {"@id": PROFILE},
         "mentions": {"@id": "#run"},
@@ -58,9 +60,9 @@ def crate(description: Description) -> dict:
         ),
         "instrument": {"@id": "#abradem"},
         "agent": {"@id": creators[0]["@id"]},
-        "object": [{"@id": name} for name in INPUTS],
+        "object": {"@id": INPUT},
         "result": [{"@id": file.name} for file in made],
-        "actionStatus": {"@id": "http://schema.org/CompletedActionStatus"},
+        "actionStatus": "http://schema.org/CompletedActionStatus",
     }
     software = {
         "@id": "#abradem",
@@ -68,7 +70,6 @@ def crate(description: Description) -> dict:
         "name": "abradem",
         "description": "From ranges of material and geometry to a wear data set and wear models",
         "softwareVersion": ours,
-        "version": ours,
         "softwareRequirements": _ids(packages),
     }
     return {
@@ -103,8 +104,10 @@ def crate(description: Description) -> dict:
     }
 
 
-def _ids(entities: list[dict]) -> list[dict]:
-    return [{"@id": entity["@id"]} for entity in entities]
+def _ids(entities: list[dict]) -> list[dict] | dict:
+    """References to entities; to a single one without a list, as the format recommends."""
+    found = [{"@id": entity["@id"]} for entity in entities]
+    return found[0] if len(found) == 1 else found
 
 
 def _file(file: File) -> dict:

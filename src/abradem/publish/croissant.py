@@ -116,8 +116,8 @@ def _file_set(folder: str) -> dict:
         "@type": "cr:FileSet",
         "@id": f"{folder}-parts",
         "name": f"{folder}-parts",
-        "description": f"{PARTITIONED[folder]}; folders block=000, 001 ... name the block",
-        "encodingFormat": "application/vnd.apache.parquet",
+        "description": f"{PARTITIONED[folder]}; folders block=0, block=1 ... name the block",
+        "encodingFormat": "application/x-parquet",
         "includes": f"{folder}/*/*.parquet",
     }
 

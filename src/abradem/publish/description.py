@@ -38,7 +38,7 @@ _FOLDER_WORDS = {
     "learning": "Model, its scores or predictions",
 }
 _MEDIA_TYPES = {
-    ".parquet": "application/vnd.apache.parquet",
+    ".parquet": "application/x-parquet",
     ".json": "application/json",
     ".yaml": "application/yaml",
     ".md": "text/markdown",

@@ -156,12 +156,12 @@ def _copy(source: Path, target: Path) -> None:
 def _partition(table: Path, folder: Path) -> None:
     """Write the rows of each block as a part; the folder's name says the block, as Hive does."""
     for block, rows in read_table(table).groupby("block", sort=True):
-        _write_part(rows, folder / f"block={block:03d}" / "part-0.parquet")
+        _write_part(rows, folder / f"block={block}" / "part-0.parquet")
 
 
 def _add_shard(source: Path, folder: Path) -> None:
     block, shard = SHARD.fullmatch(source.name).groups()
-    target = folder / source.parent.name / f"block={block}" / f"shard-{shard}.parquet"
+    target = folder / source.parent.name / f"block={int(block)}" / f"shard-{shard}.parquet"
     if "block" in pq.read_schema(source).names:
         _write_part(read_table(source), target)
     else:

@@ -1,0 +1,136 @@
+"""The engine on random cases for a long time: memory, guards and energy books.
+
+    python benchmarks/soak.py --minutes 60 --table results/benchmarks/soak.csv
+
+Every case is drawn from all that the physical limits allow, much wider than a study: hard and
+soft, e from 0.05 to 1, friction from 0, all angles, both steppings, all contact laws. Each must
+end with numbers or with a name. Checked of each: all numbers finite, no wear is taken back, the
+facets hold the wear of the plate, the book of energy holds (what came in is there, has left, or
+was dissipated; nothing is gained). At the end the memory of the process must not have grown.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import resource
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from abradem.dem import Case, Setup, simulate
+from abradem.dem.model import NORMAL_LAWS, STEPPINGS, TANGENTIAL_DAMPINGS, ContactModel
+from abradem.dem.simulation import ENERGY_TOLERANCE
+from abradem.parameters import SAMPLED
+
+MOST_GROWTH = 0.1
+"""Growth of the memory from the tenth part of the time to its end, as a share, that counts as
+none: the allocator keeps what the largest case needed."""
+
+
+def draw(rng: np.random.Generator) -> tuple[Case, Setup]:
+    """A case within the physical limits and a short set-up."""
+    values = {}
+    for row in SAMPLED:
+        low, high = row.limits
+        # Moduli and the wear constant span decades.
+        wide = low > 0.0 and high / low > 1e3
+        between = math.exp(rng.uniform(math.log(low), math.log(high))) if wide else None
+        values[row.name] = between if wide else rng.uniform(low, high)
+        if rng.random() < 0.1:
+            values[row.name] = rng.choice([low, high])
+    values["particle_radius"] = math.exp(rng.uniform(math.log(4e-3), math.log(0.1)))
+    values = {name: float(value) for name, value in values.items()}
+    setup = Setup(
+        mass_rate=None,
+        number_rate=float(math.exp(rng.uniform(math.log(5.0), math.log(500.0)))),
+        facet_size=0.03,
+        stepping=str(rng.choice(STEPPINGS)),
+        contact=ContactModel(
+            normal=str(rng.choice(NORMAL_LAWS)),
+            tangential_damping=str(rng.choice(TANGENTIAL_DAMPINGS)),
+        ),
+        time_step_fraction=float(rng.uniform(0.05, 0.2)),
+        duration=float(rng.uniform(0.2, 1.0)),
+    )
+    return Case(**values, seed=int(rng.integers(2**63))), setup
+
+
+def problems_of(result) -> list[str]:
+    """What is wrong with a simulation that ended."""
+    found = []
+    if not (np.isfinite(result.worn).all() and np.isfinite(result.facet_wear_all).all()):
+        found.append("wear is not finite")
+    elif (np.diff(result.worn, axis=0) < 0.0).any():
+        found.append("wear was taken back")
+    elif (
+        not np.allclose(
+            result.facet_wear_all.sum(axis=(1, 2)), result.worn[-1], rtol=1e-9, atol=1e-12
+        )
+        and result.status == "ok"
+    ):
+        found.append("facets do not hold the wear of the plate")
+    book = result.energy
+    if result.status == "ok" and not all(map(math.isfinite, book.values())):
+        found.append("the book of energy is not finite")
+    if result.status == "ok" and book["dissipated"] < -ENERGY_TOLERANCE * abs(book["inserted"]):
+        found.append(f"energy gained: {book}")
+    return found
+
+
+def megabytes() -> float:
+    """Memory of this process now, MB (the largest so far where the system does not say)."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text().split()[1])
+        return pages * resource.getpagesize() / 1e6
+    except OSError:
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--table", type=Path, help="CSV of all cases")
+    options = parser.parse_args()
+
+    rng = np.random.default_rng(options.seed)
+    rows, bad = [], 0
+    began = time.monotonic()
+    while (elapsed := time.monotonic() - began) < 60.0 * options.minutes:
+        case, setup = draw(rng)
+        start = time.monotonic()
+        try:
+            result = simulate(case, setup)
+        except ValueError as refused:
+            status, simulated, problems = f"refused: {refused}", 0.0, []
+        else:
+            status, simulated, problems = result.status, result.simulated_time, problems_of(result)
+        bad += bool(problems)
+        for problem in problems:
+            print(f"{problem}\n  {case}\n  {setup}", flush=True)
+        rows.append({
+            "elapsed_s": elapsed, "case_s": time.monotonic() - start, "simulated_s": simulated,
+            "memory_mb": megabytes(), "status": status, "problems": "; ".join(problems),
+        })  # fmt: skip
+    table = pd.DataFrame(rows)
+    if options.table:
+        options.table.parent.mkdir(parents=True, exist_ok=True)
+        table.to_csv(options.table, index=False)
+
+    kinds = Counter(status.split(":")[0].split(" of ")[0] for status in table["status"])
+    print(f"{len(table)} cases, {table['simulated_s'].sum():.0f} s simulated: {dict(kinds)}")
+    early = table[table["elapsed_s"] < 0.1 * table["elapsed_s"].iloc[-1]]["memory_mb"].max()
+    growth = table["memory_mb"].iloc[-1] / early - 1.0
+    print(f"memory: {early:.0f} MB after a tenth of the time, {table['memory_mb'].iloc[-1]:.0f} MB "
+          f"at the end ({100 * growth:+.1f} %), at most {table['memory_mb'].max():.0f} MB")  # fmt: skip
+    print(f"longest case: {table['case_s'].max():.1f} s; cases with a problem: {bad}")
+    return 1 if bad or growth > MOST_GROWTH else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
