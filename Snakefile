@@ -5,6 +5,8 @@ snakemake --configfile config.yaml studies/smoke.yaml   another study, an overla
 snakemake dataset                                       up to one stage
 snakemake verification                                  the engine against what is known
 snakemake movie | vtk | paper                           a film, files for ParaView, a PDF
+snakemake publish                                       a folder ready for an archive
+snakemake --list                                        all targets and rules
 """
 
 import sys
@@ -87,6 +89,7 @@ localrules:
 
 # The overview of all stages; `snakemake --list` names the others.
 rule all:
+    """The whole study: data set, models, figures, tables. The default."""
     default_target: True
     input:
         STAGES_OF_SIMULATION,

@@ -408,7 +408,8 @@ def verdict(jobs: list[dict[str, str]], memory: Memory, done: Harm, complete: bo
     """Print what the jobs show, and whether each expectation is met."""
     for node in NODES:
         states = Counter(job["JobState"].lower() for job in jobs if job["NodeList"] == node)
-        say(f"  {node}: " + ", ".join(f"{count} {state}" for state, count in states.items()))
+        counts = ", ".join(f"{count} {state}" for state, count in states.items())
+        say(f"  {node}: {counts or 'nothing ended here'}")
     completed = {job["Comment"] for job in jobs if job["JobState"] == "COMPLETED"}
     requeued = {job["JobId"] for job in jobs if int(job.get("Restarts", 0)) > 0}
     again = [job for job in jobs if job["JobId"] in done.cancelled and job["Comment"] in completed]
@@ -421,9 +422,9 @@ def verdict(jobs: list[dict[str, str]], memory: Memory, done: Harm, complete: bo
             f"{asked[number]:.0f} MB, {job['Rule']}"
         )
     checks = {
-        f"a node died while both ran jobs, with {len(done.killed)} on it": done.noticed,
-        f"{len(requeued)} jobs were queued again by Slurm": bool(requeued & set(done.killed)),
-        f"{len(again)} cancelled job was submitted again by snakemake": bool(again),
+        f"a node died while both ran jobs; on it: {len(done.killed)}": done.noticed,
+        f"queued again by Slurm: {len(requeued)}": bool(requeued & set(done.killed)),
+        f"cancelled, and submitted again by snakemake: {len(again)}": bool(again),
         "no job used more memory than it asked for": all(share <= 1.0 for share in used.values()),
         "the study is complete": complete,
     }

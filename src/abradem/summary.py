@@ -9,6 +9,10 @@ import pandas as pd
 from abradem import wear_rate
 
 
+MOST_REASONS = 5
+"""Reasons of failures that the report's overview names; the table of failures has all."""
+
+
 def summarise(
     dataset: pd.DataFrame,
     failures: pd.DataFrame | None,
@@ -38,7 +42,8 @@ def summarise(
         ``external``, ``cases``, ``wear_range`` (mm/s), ``models`` (R2 on held-out rows, honest:
         model, r2, lower, upper, basis), ``misprints`` of the printed equation (None unless the
         table is the paper's) and, of simulations, what `abradem.wear_rate.summary` says, with
-        ``cases`` those drawn, ``simulated`` those in the data set, ``failures`` the others.
+        ``cases`` those drawn, ``simulated`` those in the data set, ``failures`` the others and
+        ``reasons`` how many of them for each of the most frequent reasons.
     """
     target = dataset[linear["target"]["name"]]
     found = {
@@ -68,4 +73,8 @@ def summarise(
         "cases": len(dataset) + len(failures),
         "simulated": len(dataset),
         "failures": len(failures),
+        "reasons": {
+            reason: int(cases)
+            for reason, cases in failures["status"].value_counts().head(MOST_REASONS).items()
+        },
     }

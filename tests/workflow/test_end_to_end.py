@@ -299,6 +299,7 @@ def test_an_edited_wear_rate_reruns_wear_rates_and_what_follows(project):
         ("workflow/scripts/table.py", {"table": 13}),
         ("src/abradem/config.py", {}),
         ("src/abradem/progress.py", {}),
+        ("src/abradem/locks.py", {}),
     ],
 )  # fmt: skip
 def test_an_edited_module_reruns_its_steps_and_what_follows(project, file, jobs):
@@ -354,6 +355,7 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
         ({"features": {"damping_coefficient": "printed"}}, {
             "dataset": 1, **AFTER_DATASET, "table": 12,
         }),
+        ({"simulation": {"max_failed_share": 0.5}}, {"dataset": 1, **AFTER_DATASET, "table": 12}),
         ({"learning": {"trees": {"forest_trees": 9}}}, {
             **AFTER_SCORES, "trees": 1, "figure_trees": 1,
         }),
@@ -452,6 +454,54 @@ def test_fewer_blocks_run_only_the_joins(project):
     }  # fmt: skip
 
 
+def test_growing_shrinking_and_another_study_leave_finished_simulations_alone(project):
+    def finished(study="smoke"):
+        folder = project.root / "results" / study
+        tables = [path for name in ("cases", "series", "maps", "runs", "wear_rates")
+                  for path in sorted((folder / name).glob("block-*.parquet"))]  # fmt: skip
+        return {str(path.relative_to(folder)): (path.stat().st_mtime_ns, path.read_bytes())
+                for path in tables}  # fmt: skip
+
+    before = finished()
+    grown = ("studies/smoke_grown.yaml",)
+    assert project.run("simulation", overlays=grown) == {
+        "sample": 2, "simulate": 4, "provenance": 1, "simulation": 1,
+    }  # fmt: skip
+    assert {name: finished()[name] for name in before} == before
+    assert project.run("simulation") == {"provenance": 1, "simulation": 1}
+    other = project.overlay({"study": "other", "seed": 2})
+    assert project.run("sampling", overlays=other) == {"sample": 2, "join_cases": 1, "sampling": 1}
+    assert finished("other").keys() < before.keys()
+    assert {name: finished()[name] for name in before} == before
+    assert project.pending("simulation") == project.pending("sampling", overlays=other) == {}
+    # What is there of the larger study stays for when it is wanted again.
+    assert project.pending("simulation", overlays=grown) == {"provenance": 1, "simulation": 1}
+
+
+# On demand
+
+
+def test_a_published_folder_lists_all_that_a_study_made(project):
+    assert project.run("publish") == {"published_folder": 1, "publish": 1}
+    folder = project.results / "publish"
+    graph = json.loads((folder / "ro-crate-metadata.json").read_text())["@graph"]
+    listed = {entity["@id"] for entity in graph if entity["@type"] == "File"}
+    found = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    assert listed == found - {"ro-crate-metadata.json"}
+    figures = {path.name for path in (project.results / "figures").iterdir()}
+    assert figures == {path.name for path in (folder / "figures").iterdir()}
+    assert {"models/surrogate.safetensors", "learning/scores.parquet"} < found
+    assert len(list((folder / "maps").glob("block=*/*.parquet"))) == SHARDS
+    assert project.pending("publish") == {}
+
+
+def test_every_rule_says_what_it_makes(project):
+    listed = project.snakemake("--list").stdout.splitlines()
+    rules = [line for line in listed if re.match(r"[a-z_]+( |$)", line)]
+    assert len(rules) > 60
+    assert [line for line in rules if not re.fullmatch(r"[a-z_]+ \(.+\.\)", line)] == []
+
+
 # Interruptions and mistakes
 
 
@@ -498,6 +548,34 @@ def test_a_malformed_configuration_is_one_line(project):
     lines = [line for line in refused.stdout.splitlines() if "restitution" in line]
     assert len(lines) == 1 and lines[0].startswith("studies/change.yaml: sampling.ranges.")
     assert "Traceback" not in refused.stdout
+
+
+def test_a_configuration_that_would_run_code_is_one_line(project):
+    """Snakemake reads configurations as templates that hold expressions."""
+    template = "__use_yte__: true\nseed: ?open('pwned', 'w').close() or 1\n"
+    with project.edited("config.yaml", "\nseed: 1\n", f"\n{template}"):
+        refused = project.snakemake("--dry-run")
+    assert refused.returncode != 0
+    assert refused.stdout.splitlines()[-1] == "config.yaml: __use_yte__: templates are refused"
+    assert not (project.root / "pwned").exists()
+
+
+def test_too_many_failures_stop_the_run_before_the_data_set(project):
+    overlays = project.overlay({
+        "study": "failing",
+        "sampling": {
+            "blocks": 1, "ranges": {"particle_shear_modulus_gpa": 0.001, "particle_velocity_y": -10},
+        },
+        "figures": {"series_cases": [0]},
+    })  # fmt: skip
+    failed = project.snakemake("dataset", overlays=overlays)
+    assert failed.returncode != 0
+    assert "dataset: 6 of 6 cases failed, more than simulation.max_failed_share = 0.2" in (
+        failed.stdout
+    )
+    failures = read_table(project.root / "results" / "failing" / "failures.parquet")
+    assert len(failures) == 6 and failures["status"].str.len().min() > 10
+    assert not (project.root / "results" / "failing" / "dataset.parquet").exists()
 
 
 def test_without_the_package_the_answer_is_one_line(project, tmp_path):

@@ -9,6 +9,7 @@ FAILURES = f"{RESULTS}/failures.parquet"
 
 
 rule wear_rates:
+    """The wear rates of one shard."""
     input:
         cases=f"{RESULTS}/cases/block-{{block}}.parquet",
         series=rules.simulate.output.series,
@@ -30,6 +31,7 @@ rule wear_rates:
 
 # A rule of its own, so that they are written whatever is wrong with the data set.
 rule failures:
+    """The cases that are no row of the data set, and why."""
     input:
         cases=CASES,
         rates=WEAR_RATES,
@@ -47,6 +49,7 @@ rule failures:
 
 
 rule dataset:
+    """Target: the data set, one row for each case that ended well."""
     input:
         cases=CASES,
         rates=WEAR_RATES,

@@ -14,6 +14,7 @@ except TableError as error:
 
 
 rule dataset:
+    """A table from elsewhere as the data set."""
     input:
         # Braces in a path are no wildcards.
         EXTERNAL.replace("{", "{{").replace("}", "}}"),

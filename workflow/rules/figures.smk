@@ -34,6 +34,7 @@ localrules:
 
 
 rule figures:
+    """Target: all figures, as PDF and PNG."""
     input:
         expand(
             f"{RESULTS}/figures/{{name}}.{{format}}",
@@ -44,6 +45,7 @@ rule figures:
 
 # One rule for each figure, or few that one table makes: a change to one remakes only that one.
 rule figure_coefficients:
+    """Coefficients of the linear regression."""
     input:
         table=rules.linear.output.coefficients,
         summary=rules.linear.output.summary,
@@ -61,6 +63,7 @@ rule figure_coefficients:
 
 
 rule figure_predicted:
+    """Predicted against actual wear, held-out cases."""
     input:
         table=rules.linear.output.predictions,
         summary=rules.linear.output.summary,
@@ -78,6 +81,7 @@ rule figure_predicted:
 
 
 rule figure_residuals:
+    """What is left of the wear after the linear equation, and how features depend on each other."""
     input:
         summary=rules.linear.output.summary,
         residuals=rules.linear.output.residuals,
@@ -96,6 +100,7 @@ rule figure_residuals:
 
 
 rule figure_penalised:
+    """Paths, penalties and weights of lasso and ridge."""
     input:
         paths=rules.penalised.output.paths,
         validation=rules.penalised.output.validation,
@@ -115,6 +120,7 @@ rule figure_penalised:
 
 
 rule figure_selection:
+    """The features that the networks get."""
     input:
         selection=rules.selection.output.selection,
         summary=rules.selection.output.summary,
@@ -132,6 +138,7 @@ rule figure_selection:
 
 
 rule figure_pca:
+    """Correlations, loadings, and regression on principal components."""
     input:
         loadings=rules.pca.output.loadings,
         scree=rules.pca.output.scree,
@@ -155,6 +162,7 @@ rule figure_pca:
 
 
 rule figure_trees:
+    """How deep a tree may grow, and the pruned one."""
     input:
         curve=rules.trees.output.curve,
         importance=rules.trees.output.importance,
@@ -175,6 +183,7 @@ rule figure_trees:
 
 
 rule figure_ga_ann:
+    """The genetic search, both protocols."""
     input:
         history=expand(rules.ga_ann.output.history, protocol=PROTOCOLS),
         scores=expand(rules.ga_ann.output.scores, protocol=PROTOCOLS),
@@ -193,6 +202,7 @@ rule figure_ga_ann:
 
 
 rule figure_comparison:
+    """All models side by side."""
     input:
         predictions=rules.scores.output.predictions,
         comparison=rules.scores.output.comparison,

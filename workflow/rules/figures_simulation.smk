@@ -4,6 +4,7 @@ SHOWN = CONFIG.figures.series_cases
 # Figures of simulations, which an external table has none of. Figures of single cases take the
 # shards that hold these, so that new blocks leave them as they are.
 rule figure_series:
+    """Wear depth against time for some cases."""
     input:
         cases=shards_with(SHOWN, f"{RESULTS}/cases/block-{{block}}.parquet"),
         series=shards_with(SHOWN, rules.simulate.output.series),
@@ -24,6 +25,7 @@ rule figure_series:
 
 
 rule figure_maps:
+    """Where on the plate the wear is, for some cases."""
     input:
         cases=shards_with(SHOWN, f"{RESULTS}/cases/block-{{block}}.parquet"),
         maps=shards_with(SHOWN, rules.simulate.output.maps),
@@ -44,6 +46,7 @@ rule figure_maps:
 
 
 rule figure_quality:
+    """How well the wear rates are known."""
     input:
         rules.dataset.output,
     output:
@@ -64,6 +67,7 @@ rule figure_quality:
 
 
 rule figure_setup:
+    """The simulation set-up: plate, factory and particles, and the wear."""
     input:
         particles=f"{RESULTS}/scenes/typical/particles.parquet",
         wear=f"{RESULTS}/scenes/typical/wear.parquet",
@@ -83,6 +87,7 @@ rule figure_setup:
 
 
 rule figure_angles:
+    """Wear depth against time for angles of plate and factory."""
     input:
         curves=rules.angles.output.curves,
         rates=rules.angles.output.rates,
@@ -101,6 +106,7 @@ rule figure_angles:
 
 
 rule figure_gallery:
+    """Wear maps over the parameter space."""
     input:
         cases=CASES,
         maps=shard_paths(rules.simulate.output.maps),

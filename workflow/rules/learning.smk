@@ -24,6 +24,7 @@ localrules:
 
 
 rule learning:
+    """Target: the paper's models and their scores."""
     input:
         f"{RESULTS}/learning/linear.json",
         f"{RESULTS}/learning/selection.parquet",
@@ -31,6 +32,7 @@ rule learning:
 
 
 rule linear:
+    """The linear regression of the data set."""
     input:
         rules.dataset.output,
     output:
@@ -63,6 +65,7 @@ rule linear:
 
 
 rule penalised:
+    """Lasso and ridge."""
     input:
         rules.dataset.output,
     output:
@@ -94,6 +97,7 @@ rule penalised:
 
 
 rule pca:
+    """Principal components and the regression on them."""
     input:
         rules.dataset.output,
     output:
@@ -123,6 +127,7 @@ rule pca:
 
 
 rule selection:
+    """The features that the networks get."""
     input:
         rules.dataset.output,
     output:
@@ -146,6 +151,7 @@ rule selection:
 
 
 rule trees:
+    """Decision tree and random forest."""
     input:
         rules.dataset.output,
     output:
@@ -179,6 +185,7 @@ rule trees:
 # One network per core, so it asks for as many cores as a generation has networks and takes what
 # there is; the result does not depend on it. An interrupted search resumes from its folder.
 rule ga_ann:
+    """The networks whose architecture a genetic search finds, under one protocol."""
     input:
         rules.dataset.output,
     output:
@@ -227,6 +234,7 @@ rule ga_ann:
 
 
 rule scores:
+    """The scores of all models in one table, and side by side."""
     input:
         scores=expand(f"{RESULTS}/learning/{{stage}}_scores.parquet", stage=SCORED),
         predictions=expand(

@@ -25,6 +25,7 @@ localrules:
 
 
 rule models:
+    """Target: models that know the physics, and the surrogate behind abradem predict."""
     input:
         rules.scores.output.comparison,
         f"{RESULTS}/models/surrogate.json",
@@ -34,6 +35,7 @@ rule models:
 
 
 rule physical:
+    """Power law, Gaussian process, boosting and ensemble of networks on dimensionless groups."""
     input:
         rules.dataset.output,
     output:
@@ -69,6 +71,7 @@ rule physical:
 
 
 rule intervals:
+    """Intervals of the Gaussian process, calibrated and tested on rows held out."""
     input:
         rules.dataset.output,
     output:
@@ -91,6 +94,7 @@ rule intervals:
 
 
 rule surrogate:
+    """The surrogate behind `abradem predict`, and a score of its own."""
     input:
         dataset=rules.dataset.output[0],
         process=rules.physical.output.process_arrays,
@@ -124,6 +128,7 @@ rule surrogate:
 
 
 rule sensitivity:
+    """Which quantities decide the wear."""
     input:
         dataset=rules.dataset.output[0],
         process=rules.physical.output.process_arrays,
@@ -154,6 +159,7 @@ rule sensitivity:
 
 
 rule reach:
+    """The models with fewer cases, beyond their ranges, and on every target."""
     input:
         rules.dataset.output,
     output:
@@ -190,6 +196,7 @@ if SIMULATED:
 
     # The same parts on every machine, so that the number of cores changes nothing.
     rule replicates:
+        """Some cases simulated again with other seeds."""
         input:
             rules.join_cases.output,
         output:
@@ -211,6 +218,7 @@ if SIMULATED:
             "../scripts/replicates.py"
 
     rule noise_floor:
+        """The best R2 that any model could reach."""
         input:
             replicates=expand(rules.replicates.output, part=REPLICATE_PARTS),
             dataset=rules.dataset.output[0],
@@ -229,6 +237,7 @@ if SIMULATED:
 
     # Timed in one job, one after the other.
     rule speed_up:
+        """Engine and surrogate timed one after the other."""
         input:
             dataset=rules.dataset.output[0],
             surrogate=rules.surrogate.output.model,
@@ -264,6 +273,7 @@ NOISE_SUMMARY = (
 
 
 rule findings:
+    """What the models say, in sentences."""
     input:
         physical=rules.physical.output.summary,
         intervals=rules.intervals.output.summary,
@@ -292,6 +302,7 @@ rule findings:
 
 
 rule figure_models:
+    """The models on dimensionless groups on one page."""
     input:
         comparison=rules.scores.output.comparison,
         calibration=rules.intervals.output.calibration,
@@ -314,6 +325,7 @@ rule figure_models:
 
 
 rule figure_sensitivity:
+    """Sobol indices, permutation importance, partial dependence."""
     input:
         indices=rules.sensitivity.output.indices,
         falls=rules.sensitivity.output.falls,
@@ -333,6 +345,7 @@ rule figure_sensitivity:
 
 
 rule figure_reach:
+    """Extrapolation and every target."""
     input:
         extrapolation=rules.reach.output.extrapolation,
         targets=rules.reach.output.targets,

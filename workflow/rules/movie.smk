@@ -7,12 +7,14 @@ localrules:
 
 
 rule movie:
+    """Target, on demand: a film of wear growing on plates; needs the extra movie."""
     input:
         f"{RESULTS}/movie/wear.mp4",
         f"{RESULTS}/movie/wear.png",
 
 
 rule film:
+    """The film of plates side by side, and its last picture."""
     input:
         particles=expand(rules.scene.output.particles, scene=FILMED),
         wear=expand(rules.scene.output.wear, scene=FILMED),

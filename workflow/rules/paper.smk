@@ -7,6 +7,7 @@ WORKFLOW_FILES = [
 
 
 rule rule_graph:
+    """The rules of the workflow and what each takes from which."""
     output:
         f"{RESULTS}/rule_graph.parquet",
     log:
@@ -31,6 +32,7 @@ rule rule_graph:
 
 
 rule figure_flow:
+    """Flow charts: generation of the data, set-up of a simulation, the whole workflow."""
     input:
         rules.rule_graph.output,
     output:
@@ -57,6 +59,7 @@ rule figure_flow:
 
 
 rule figure_architecture:
+    """The networks that the genetic search found."""
     input:
         expand(rules.ga_ann.output.summary, protocol=PROTOCOLS),
     output:
@@ -73,6 +76,7 @@ rule figure_architecture:
 
 
 rule figure_distributions:
+    """Distributions of standardised wear, predictions and errors."""
     input:
         dataset=rules.dataset.output[0],
         predictions=rules.scores.output.predictions,
@@ -95,6 +99,7 @@ if VERIFICATION_MADE:
 
     # Not an input: a study shows what `make verify` found last, and does not make it anew.
     rule figure_verification:
+        """The verification study at a glance."""
         output:
             figure_files("verification", "verification"),
         log:
@@ -113,6 +118,7 @@ if VERIFICATION_MADE:
 if SPEED_MADE:
 
     rule figure_speed:
+        """What simulations cost."""
         output:
             figure_files("speed", "speed of the engine"),
         log:
@@ -151,6 +157,7 @@ IN_LATEX = ["numbers", "quantities", "features", "models", "verification"]
 
 
 rule latex:
+    """Target: tables and numbers for a LaTeX text."""
     input:
         expand(f"{RESULTS}/{{file}}", file=CITED),
     output:
@@ -179,11 +186,13 @@ localrules:
 
 # On demand, as it needs a LaTeX: snakemake paper.
 rule paper:
+    """Target, on demand: the example text as PDF; needs a LaTeX."""
     input:
         f"{RESULTS}/paper.pdf",
 
 
 rule paper_pdf:
+    """The example text with the tables, numbers and figures of a study, as PDF."""
     input:
         text=file_of_workflow("paper/main.tex"),
         included=rules.latex.output,

@@ -4,12 +4,14 @@ localrules:
 
 
 rule publish:
+    """Target, on demand: a folder ready for an archive."""
     input:
         f"{RESULTS}/publish/ro-crate-metadata.json",
 
 
 # Inputs without names: of a named list, Snakemake hashes all of it for each of its files.
 rule published_folder:
+    """The folder for an archive."""
     input:
         CASES,
         FAILURES,

@@ -26,6 +26,7 @@ localrules:
 
 
 rule documents:
+    """Target: tables, numbers for LaTeX, configuration and versions."""
     input:
         expand(f"{RESULTS}/tables/{{table}}.csv", table=TABLES),
         f"{RESULTS}/summary.json",
@@ -35,6 +36,7 @@ rule documents:
 
 
 rule table:
+    """A table as text, for reading."""
     input:
         lambda wildcards: TABLES[wildcards.table],
     output:
@@ -55,6 +57,7 @@ rule table:
 
 
 rule summary:
+    """The numbers that the report's overview begins with."""
     input:
         dataset=rules.dataset.output[0],
         failures=rules.failures.output[0] if SIMULATED else [],
@@ -76,6 +79,7 @@ rule summary:
 
 # Nothing depends on these files, so another machine or another version reruns only this.
 rule provenance:
+    """The resolved configuration, and what else identifies the run."""
     output:
         config=report(
             f"{RESULTS}/config.yaml",

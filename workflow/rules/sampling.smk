@@ -3,11 +3,13 @@ localrules:
 
 
 rule sampling:
+    """Target: the parameter sets of all cases."""
     input:
         f"{RESULTS}/cases.parquet",
 
 
 rule sample:
+    """One block of cases."""
     output:
         f"{RESULTS}/cases/block-{{block}}.parquet",
     log:
@@ -31,6 +33,7 @@ rule sample:
 
 # A join made of the blocks, never their source: new blocks leave the old ones untouched.
 rule join_cases:
+    """The cases of all blocks in one table."""
     input:
         expand(f"{RESULTS}/cases/block-{{block:03d}}.parquet", block=BLOCKS),
     output:

@@ -18,6 +18,7 @@ SCENES = {
 
 
 rule scene:
+    """Snapshots of a case of the pictures."""
     output:
         particles=f"{RESULTS}/scenes/{{scene}}/particles.parquet",
         contacts=f"{RESULTS}/scenes/{{scene}}/contacts.parquet",
@@ -42,6 +43,7 @@ rule scene:
 
 
 rule angles:
+    """Wear depth against time for angles of plate and factory."""
     output:
         curves=f"{RESULTS}/angles_curves.parquet",
         rates=f"{RESULTS}/angles_rates.parquet",

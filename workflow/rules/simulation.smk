@@ -4,6 +4,7 @@ localrules:
 
 
 rule simulation:
+    """Target: the simulations of all cases."""
     input:
         shard_paths(f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet"),
         # With it, `abradem simulate` repeats a case of these very simulations.
@@ -12,6 +13,7 @@ rule simulation:
 
 # A shard depends on its block's cases alone, so that a study grows by its new blocks.
 rule simulate:
+    """The simulations of one shard."""
     input:
         cases=f"{RESULTS}/cases/block-{{block}}.parquet",
     output:
@@ -42,6 +44,7 @@ rule simulate:
 
 
 rule exports:
+    """Target: snapshots of the cases of simulation.export."""
     input:
         expand(
             f"{RESULTS}/export/case-{{case}}/{{table}}.parquet",
@@ -51,6 +54,7 @@ rule exports:
 
 
 rule export:
+    """Snapshots of one case at regular intervals."""
     input:
         lambda wildcards: shards_with(
             [int(wildcards.case)], f"{RESULTS}/cases/block-{{block}}.parquet"

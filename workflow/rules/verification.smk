@@ -43,6 +43,7 @@ VERIFICATION_FORMATS = ["pdf", "png"]
 
 
 rule verification:
+    """Target, on demand: the engine against what is known."""
     input:
         f"{VERIFIED}/results.md",
         expand(
@@ -53,6 +54,7 @@ rule verification:
 
 
 rule verification_laws:
+    """Closed forms, sweeps and the order of convergence."""
     output:
         **part_files("laws", "parquet"),
         text=list(part_files("laws", "csv").values()),
@@ -68,6 +70,7 @@ rule verification_laws:
 
 
 rule verification_chung_ooi:
+    """The eight particle-level tests of Chung & Ooi."""
     output:
         **part_files("chung_ooi", "parquet"),
         text=list(part_files("chung_ooi", "csv").values()),
@@ -83,6 +86,7 @@ rule verification_chung_ooi:
 
 
 rule verification_codes:
+    """Independent codes under the same options."""
     input:
         impacts=file_of_workflow("tests/data/codes/single_impacts.csv"),
         jets=file_of_workflow("tests/data/codes/jets.csv"),
@@ -102,6 +106,7 @@ rule verification_codes:
 
 
 rule verification_time_step:
+    """What the step does to each reading."""
     output:
         **part_files("time_step", "parquet"),
         text=list(part_files("time_step", "csv").values()),
@@ -117,6 +122,7 @@ rule verification_time_step:
 
 
 rule verification_statistics:
+    """Standard errors against replicates."""
     output:
         **part_files("statistics", "parquet"),
         text=list(part_files("statistics", "csv").values()),
@@ -132,6 +138,7 @@ rule verification_statistics:
 
 
 rule verification_steady_state:
+    """The paper's steady-state study."""
     output:
         **part_files("steady_state", "parquet"),
         text=list(part_files("steady_state", "csv").values()),
@@ -147,6 +154,7 @@ rule verification_steady_state:
 
 
 rule verification_conveyor:
+    """The paper's screw-conveyor check."""
     output:
         **part_files("conveyor", "parquet"),
         text=list(part_files("conveyor", "csv").values()),
@@ -162,6 +170,7 @@ rule verification_conveyor:
 
 
 rule verification_trends:
+    """Exponents in dilute jets."""
     output:
         **part_files("trends", "parquet"),
         text=list(part_files("trends", "csv").values()),
@@ -177,6 +186,7 @@ rule verification_trends:
 
 
 rule verification_facets_and_bed:
+    """Facets as bookkeeping; the books of a bed."""
     output:
         **part_files("facets_and_bed", "parquet"),
         text=list(part_files("facets_and_bed", "csv").values()),
@@ -192,6 +202,7 @@ rule verification_facets_and_bed:
 
 
 rule verification_page:
+    """All checks of the verification study: one table, one page, and the count of those that hold."""
     input:
         [f"{VERIFIED}/tables/{part}_checks.parquet" for part in PARTS],
     output:
@@ -210,6 +221,7 @@ rule verification_page:
 
 
 rule verification_figure:
+    """One figure of the verification study."""
     input:
         lambda wildcards: [
             f"{VERIFIED}/tables/{table}.parquet"

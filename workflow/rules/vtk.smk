@@ -4,12 +4,14 @@ localrules:
 
 
 rule vtk:
+    """Target, on demand: particles and plate for ParaView."""
     input:
         f"{RESULTS}/vtk/typical",
         expand(f"{RESULTS}/vtk/case-{{case}}", case=CONFIG.simulation.export.cases),
 
 
 rule vtk_of_scene:
+    """Snapshots of a case for ParaView."""
     input:
         particles=f"{RESULTS}/scenes/{{scene}}/particles.parquet",
         wear=f"{RESULTS}/scenes/{{scene}}/wear.parquet",
@@ -30,6 +32,7 @@ rule vtk_of_scene:
 
 
 rule vtk_of_case:
+    """Snapshots of a case for ParaView."""
     input:
         particles=rules.export.output.particles,
         wear=rules.export.output.wear,
