@@ -209,6 +209,29 @@ def test_the_join_refuses_doubled_and_foreign_cases():
         ds.join(sample_cases(3), sample_rates([0]), sample_runs(4))
 
 
+def test_a_case_with_a_number_that_is_not_finite_is_a_failure_and_stops_no_other():
+    rates = sample_rates([0, 1, 2])
+    rates.loc[1, "wear_per_kg"] = np.nan
+    rates.loc[2, "wear_sliding_max"] = np.inf
+    dataset, failures = ds.join(sample_cases(3), rates, sample_runs(3))
+    assert list(dataset["case_id"]) == [0]
+    assert list(failures["status"]) == ["no finite wear_per_kg", "no finite wear_sliding_max"]
+    ds.check(dataset)
+
+
+def test_more_failures_than_allowed_are_one_line():
+    runs = sample_runs(4, c0="refused: step 1", c1="refused: step 2", c3="overlap")
+    dataset, failures = ds.join(sample_cases(4), sample_rates([2]), runs)
+    ds.check_failures(dataset, failures, 0.75)
+    with pytest.raises(ds.TableError) as stopped:
+        ds.check_failures(dataset, failures, 0.7)
+    assert str(stopped.value) == (
+        "dataset: 3 of 4 cases failed (2 refused, 1 overlap), more than "
+        "simulation.max_failed_share = 0.7 allows; case 0: refused: step 1; "
+        "failures.parquet holds all"
+    )
+
+
 def test_a_study_without_a_good_case_says_so():
     dataset, failures = ds.join(sample_cases(2), sample_rates([]), sample_runs(2, c0="x", c1="y"))
     assert list(failures["status"]) == ["x", "y"]

@@ -318,18 +318,23 @@ def harm(cluster: Cluster, done: Harm) -> Iterator[None]:
         jobs = sorted(running(cluster), key=lambda job: job["Rule"] != "simulate")
         for number in [job["JobId"] for job in jobs[:1]]:
             cluster.command("scancel", number)
+            while (state := state_of(cluster, number)) in ("", "RUNNING", "COMPLETING"):
+                yield
             # It may have ended just before.
-            done.cancelled = [
-                job["JobId"]
-                for job in cluster.jobs()
-                if job["JobId"] == number and job["JobState"] == "CANCELLED"
-            ]
+            if state == "CANCELLED":
+                done.cancelled = [number]
     say(f"job {done.cancelled[0]} cancelled")
 
 
 def running(cluster: Cluster) -> list[dict[str, str]]:
     """Jobs that run now."""
     return [job for job in cluster.jobs() if job["JobState"] == "RUNNING"]
+
+
+def state_of(cluster: Cluster, number: str) -> str:
+    """State of a job; empty where the controller does not answer."""
+    states = {job["JobId"]: job["JobState"] for job in cluster.jobs()}
+    return states.get(number, "")
 
 
 def say(text: str) -> None:
@@ -352,7 +357,7 @@ def demonstrate(cluster: Cluster, targets: list[str], minutes: float) -> bool:
     shutil.rmtree(results, ignore_errors=True)
     log = results / "logs" / "slurm.log"
     log.parent.mkdir(parents=True)
-    say(f"{STUDY} starts, see {log.relative_to(ROOT)}")
+    say(f"{STUDY}: starts, see {log.relative_to(ROOT)}")
     memory, done = Memory(), Harm()
     steps = harm(cluster, done)
     start = time.monotonic()
@@ -373,7 +378,8 @@ def demonstrate(cluster: Cluster, targets: list[str], minutes: float) -> bool:
             memory.look(cluster)
             next(steps, None)
             time.sleep(0.5)
-    say(f"{STUDY} ended after {time.monotonic() - start:.0f} s")
+    ended = "ended" if run.returncode == 0 else "failed"
+    say(f"{STUDY}: {ended} after {time.monotonic() - start:.0f} s")
     jobs = cluster.jobs()
     table = results / "logs" / "slurm_jobs.csv"
     write_jobs(table, jobs, memory)

@@ -436,13 +436,13 @@ def read_table(path: str | Path, columns: Iterable[str] | None = None) -> pd.Dat
     try:
         with open(path, "rb") as source:
             table = pq.ParquetFile(source, page_checksum_verification=True).read()
+            names = table.column_names
     except FileNotFoundError:
         raise TableError(f"{path}: no such file") from None
-    except (pa.ArrowException, OSError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise TableError(f"{path}: truncated, corrupt or not Parquet ({reason})") from None
+    except _DAMAGED as error:
+        raise _damaged(path, error) from None
     if columns is not None:
-        missing = [name for name in columns if name not in table.column_names]
+        missing = [name for name in columns if name not in names]
         if missing:
             raise TableError(f"{path}: lacks column {', '.join(missing)}")
         table = table.select(columns)
@@ -450,11 +450,23 @@ def read_table(path: str | Path, columns: Iterable[str] | None = None) -> pd.Dat
 
 
 def read_units(path: str | Path) -> dict[str, str]:
-    """Units of the columns of a table, from the field metadata."""
-    schema = pq.read_schema(path)
-    return {
-        field.name: (field.metadata or {}).get(b"units", b"").decode("utf-8") for field in schema
-    }
+    """Units of the columns of a table, from the field metadata; raises as `read_table`."""
+    try:
+        return {
+            field.name: (field.metadata or {}).get(b"units", b"").decode("utf-8")
+            for field in pq.read_schema(path)
+        }
+    except _DAMAGED as error:
+        raise _damaged(path, error) from None
+
+
+# A name or a unit that is no UTF-8 is found only when it is asked for.
+_DAMAGED = (pa.ArrowException, OSError, UnicodeDecodeError)
+
+
+def _damaged(path: str | Path, error: Exception) -> TableError:
+    reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+    return TableError(f"{path}: truncated, corrupt or not Parquet ({reason})")
 
 
 def concatenate(frames: Iterable[pd.DataFrame], key: str = "case_id") -> pd.DataFrame:
@@ -556,12 +568,19 @@ def check_failures(dataset: pd.DataFrame, failures: pd.DataFrame, most: float) -
     """
     cases = len(dataset) + len(failures)
     if len(failures) > most * cases:
-        reasons = failures["status"].value_counts()
+        counted = ", ".join(f"{count} {kind}" for kind, count in reasons(failures).items())
+        first = failures.iloc[0]
         raise TableError(
-            f"dataset: {len(failures)} of {cases} cases failed, more than "
-            f"simulation.max_failed_share = {most:g} allows; most often "
-            f"({reasons.iloc[0]}): {reasons.index[0]}; failures.parquet holds all"
+            f"dataset: {len(failures)} of {cases} cases failed ({counted}), more than "
+            f"simulation.max_failed_share = {most:g} allows; case {first['case_id']}: "
+            f"{first['status']}; failures.parquet holds all"
         )
+
+
+def reasons(failures: pd.DataFrame) -> dict[str, int]:
+    """How many cases failed for each kind of reason, the most frequent first."""
+    kinds = failures["status"].str.split(":").str[0]
+    return {kind: int(count) for kind, count in kinds.value_counts().items()}
 
 
 def check(dataset: pd.DataFrame) -> None:

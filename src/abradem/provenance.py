@@ -155,7 +155,7 @@ STEPS: dict[str, tuple[str, ...]] = {
     "vtk": (*_RATES, "abradem.export", "abradem.scenes", "abradem.shards", "abradem.vtk"),
     "publish": ("abradem.parameters", "abradem.publish"),
     "table": (),
-    "summary": (*_RATES, "abradem.summary"),
+    "summary": (*_RATES, *_JOIN, "abradem.summary"),
     "provenance": (),
     "verification_laws": (*_LAWS,),
     "verification_chung_ooi": (*_LAWS, "abradem.verification.chung_ooi"),

@@ -7,10 +7,7 @@ from collections.abc import Mapping
 import pandas as pd
 
 from abradem import wear_rate
-
-
-MOST_REASONS = 5
-"""Reasons of failures that the report's overview names; the table of failures has all."""
+from abradem.dataset import reasons
 
 
 def summarise(
@@ -43,7 +40,7 @@ def summarise(
         model, r2, lower, upper, basis), ``misprints`` of the printed equation (None unless the
         table is the paper's) and, of simulations, what `abradem.wear_rate.summary` says, with
         ``cases`` those drawn, ``simulated`` those in the data set, ``failures`` the others and
-        ``reasons`` how many of them for each of the most frequent reasons.
+        ``reasons`` how many of them for each kind of reason.
     """
     target = dataset[linear["target"]["name"]]
     found = {
@@ -73,8 +70,5 @@ def summarise(
         "cases": len(dataset) + len(failures),
         "simulated": len(dataset),
         "failures": len(failures),
-        "reasons": {
-            reason: int(cases)
-            for reason, cases in failures["status"].value_counts().head(MOST_REASONS).items()
-        },
+        "reasons": reasons(failures),
     }

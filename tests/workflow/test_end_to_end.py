@@ -552,8 +552,8 @@ def test_a_malformed_configuration_is_one_line(project):
 
 def test_a_configuration_that_would_run_code_is_one_line(project):
     """Snakemake reads configurations as templates that hold expressions."""
-    template = "__use_yte__: true\nseed: ?open('pwned', 'w').close() or 1\n"
-    with project.edited("config.yaml", "\nseed: 1\n", f"\n{template}"):
+    template = "__use_yte__: true\nseed: ?open('pwned', 'w').close() or 1 "
+    with project.edited("config.yaml", "\nseed: 1 ", f"\n{template}"):
         refused = project.snakemake("--dry-run")
     assert refused.returncode != 0
     assert refused.stdout.splitlines()[-1] == "config.yaml: __use_yte__: templates are refused"
@@ -563,14 +563,14 @@ def test_a_configuration_that_would_run_code_is_one_line(project):
 def test_too_many_failures_stop_the_run_before_the_data_set(project):
     overlays = project.overlay({
         "study": "failing",
-        "sampling": {
-            "blocks": 1, "ranges": {"particle_shear_modulus_gpa": 0.001, "particle_velocity_y": -10},
-        },
+        "sampling": {"blocks": 1, "ranges": {
+            "particle_shear_modulus_gpa": 0.001, "particle_velocity_y": -10,
+        }},
         "figures": {"series_cases": [0]},
     })  # fmt: skip
     failed = project.snakemake("dataset", overlays=overlays)
     assert failed.returncode != 0
-    assert "dataset: 6 of 6 cases failed, more than simulation.max_failed_share = 0.2" in (
+    assert "dataset: 6 of 6 cases failed (6 rejected), more than simulation.max_failed_share" in (
         failed.stdout
     )
     failures = read_table(project.root / "results" / "failing" / "failures.parquet")
