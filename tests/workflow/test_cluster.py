@@ -58,7 +58,9 @@ def test_the_profile_submits_every_job_with_memory_and_a_time_limit(tmp_path):
         asked[rule].update(re.findall(r"\bmem_mb=(\d+).*\bruntime=(\d+)", job) or [None])
     assert asked["table"] == {("1500", "30")}
     assert asked["simulate"] == {("1500", "183")}
-    assert asked["ga_ann"] == {("4000", "240")}
+    assert asked["physical"] == {("4000", "240")}
+    # Its population of 4 takes as many cores.
+    assert asked["ga_ann"] == {("3500", "240")}
     assert all(None not in resources for resources in asked.values())
 
 

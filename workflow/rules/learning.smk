@@ -212,7 +212,7 @@ rule ga_ann:
         "../envs/abradem.yaml"
     threads: LEARNING.ga_ann.population
     resources:
-        mem_mb=growing(LEARNING_MB),
+        mem_mb=lambda wildcards, threads, attempt: (1500 + 500 * threads) * attempt,
         runtime=growing(LEARNING_MINUTES),
     params:
         table=LEARNED_FROM,
