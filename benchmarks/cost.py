@@ -149,7 +149,7 @@ def touching_scene(kind: str):
     the plate on its own; ``pairs``: 32 pairs collide; ``rows``: 8 rows of 8 are pressed together,
     which makes 56 contacts.
     """
-    radius, dt, steps = 0.01, 1e-9, 20_000
+    radius, dt, steps = 0.01, 1.5e-9, 20_000
     setup = Setup(
         plate_length=0.5, plate_width=0.5, mass_rate=None, number_rate=1.0, gravity=0.0,
         time_step=dt, sample_interval=steps * dt, duration=steps * dt,

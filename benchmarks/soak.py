@@ -70,7 +70,8 @@ def problems_of(result) -> list[str]:
     found = []
     if not (np.isfinite(result.worn).all() and np.isfinite(result.facet_wear_all).all()):
         found.append("wear is not finite")
-    elif (np.diff(result.worn, axis=0) < 0.0).any():
+    elif (np.diff(result.worn[:, :2], axis=0) < 0.0).any():
+        # Total and sliding; friction counts work less what a spring stores and gives back.
         found.append("wear was taken back")
     elif (
         not np.allclose(

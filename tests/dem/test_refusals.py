@@ -38,6 +38,7 @@ def setup(**values):
         ({}, {"sample_interval": 1e-9, "duration": 50.0}, "samples in 50 s; at most 100000"),
         ({"plate_angle": 91.0}, {}, "plate_angle = 91.0"),
         ({"static_friction": -0.1}, {}, "static_friction = -0.1"),
+        ({"static_friction": 5e-324}, {}, "static_friction = 5e-324 must be 0 or from 1e-9 on"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_simulated_is_refused_by_name(odd_case, odd_setup, words):
@@ -149,16 +150,17 @@ LIMITS = {row.name: row.limits for row in SAMPLED}
     st.sampled_from(["exact_e", "nominal_clipped", "nominal_attractive"]),
 )  # fmt: skip
 def test_any_case_within_the_limits_ends_with_numbers_or_a_name(values, radius, seed, normal):
-    odd = Case(**values, particle_radius=radius, seed=seed)
     contact = dataclasses.replace(SETUP.contact, normal=normal)
     try:
+        odd = Case(**values, particle_radius=radius, seed=seed)
         fed = setup(contact=contact, mass_rate=None, number_rate=50.0, duration=0.3)
         result = simulate(odd, fed)
     except ValueError as refused:
         assert str(refused)
         return
-    assert np.isfinite(result.worn).all() and (np.diff(result.worn, axis=0) >= 0.0).all()
-    assert np.isfinite(result.facet_wear_all).all() and (result.facet_wear_all >= 0.0).all()
+    # Total and sliding only grow; friction is work less what a spring stores and gives back.
+    assert np.isfinite(result.worn).all() and (np.diff(result.worn[:, :2], axis=0) >= 0.0).all()
+    assert np.isfinite(result.facet_wear_all).all() and (result.facet_wear_all[:2] >= 0.0).all()
     assert result.status
     if result.status == "ok":
         assert result.max_overlap <= 0.2

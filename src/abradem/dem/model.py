@@ -55,6 +55,11 @@ class Interaction:
     def __post_init__(self):
         _check_number("restitution", self.restitution, above=0.0, most=1.0)
         _check_number("static_friction", self.static_friction, least=0.0)
+        # The friction reading divides by it.
+        if 0.0 < self.static_friction < 1e-9:
+            raise ValueError(
+                f"static_friction = {self.static_friction!r} must be 0 or from 1e-9 on"
+            )
         _check_number("rolling_friction", self.rolling_friction, least=0.0)
 
 

@@ -234,6 +234,8 @@ def _guard(problem: Problem, state: State, before: dict):
     book = energy_book(problem, state)
     if not (math.isfinite(book["resident"]) and math.isfinite(book["removed"])):
         return STOP_NOT_FINITE, book
+    if not np.isfinite(_worn(state)).all():
+        return "the wear is not a finite number", book
     gained = before["dissipated"] - book["dissipated"]
     if gained > ENERGY_TOLERANCE * max(book["inserted"], 0.0) and gained > 0.0:
         share = gained / book["inserted"]
