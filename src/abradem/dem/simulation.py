@@ -172,8 +172,7 @@ class _Engine:
 
 def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
     """Refuse a step that would jump through a contact."""
-    fall = math.sqrt(problem.release_speed**2 + 2.0 * problem.gravity * setup.fall_height)
-    fastest = fall
+    fastest = _fall_speed(problem, setup)
     if problem.scheduled and schedule.velocity.size:
         heights = np.maximum(schedule.position[:, 1] - problem.removal_height, 0.0)
         with np.errstate(over="ignore"):
@@ -188,7 +187,6 @@ def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
             f"time step {problem.dt:.3g} s gives {steps:.1f} steps per contact at "
             f"{fastest:.3g} m/s; at least {FEWEST_STEPS_PER_CONTACT:g} are needed"
         )
-
     if steps > MOST_STEPS_PER_CONTACT:
         raise ValueError(
             f"time step {problem.dt:.3g} s gives {steps:.3g} steps per contact at "
@@ -204,7 +202,7 @@ def _check_size(problem: Problem, setup: Setup) -> None:
             f"sample_interval = {setup.sample_interval:g} s gives {samples:.3g} samples in "
             f"{_longest(setup):g} s; at most {MOST_SAMPLES} are taken"
         )
-    fastest = math.sqrt(problem.release_speed**2 + 2.0 * problem.gravity * setup.fall_height)
+    fastest = _fall_speed(problem, setup)
     if problem.scheduled or fastest == 0.0:
         return
     # Above the plate at once: what is released during the fall, or what has room there.
@@ -214,6 +212,11 @@ def _check_size(problem: Problem, setup: Setup) -> None:
             f"the feed of {problem.rate:.3g} particles per second of radius {problem.radius:g} m "
             f"keeps {falling:.3g} of them in the air; at most {MOST_PARTICLES} are simulated"
         )
+
+
+def _fall_speed(problem: Problem, setup: Setup) -> float:
+    """Speed of a particle from the factory at the height of the plate's middle, m/s."""
+    return math.sqrt(problem.release_speed**2 + 2.0 * problem.gravity * setup.fall_height)
 
 
 def _longest(setup: Setup) -> float:

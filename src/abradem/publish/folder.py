@@ -13,7 +13,7 @@ import re
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import pandas as pd
 import pyarrow.parquet as pq
@@ -21,7 +21,7 @@ import pyarrow.parquet as pq
 from abradem.dataset import read_json, read_table, write_json, write_table
 from abradem.provenance import write_text
 from abradem.publish.card import card
-from abradem.publish.crate import crate
+from abradem.publish.crate import ABOUT, crate
 from abradem.publish.croissant import croissant
 from abradem.publish.description import Description, File
 
@@ -97,11 +97,13 @@ def publish(folder: Path, results: Path, files: Iterable[Path], study: Study) ->
             versions=read_json(new / "versions.json"),
             files=tuple(listed(new)),
         )
-        # Each lists the files that were written before it.
+        # The crate lists the other two as well; the data are not hashed a second time for that.
         write_json(croissant(description), new / "croissant.json")
         _validate(new / "croissant.json")
         write_text(card(description), new / "README.md")
-        write_json(crate(description.with_files(listed(new))), new / "ro-crate-metadata.json")
+        files = [*description.files, *(_file(new / name, name) for name in ABOUT)]
+        files.sort(key=lambda file: PurePosixPath(file.name))
+        write_json(crate(description.with_files(files)), new / "ro-crate-metadata.json")
 
 
 @contextlib.contextmanager
