@@ -41,6 +41,7 @@ class Spheres:
         self.x = np.array(positions, float)
         self.v = np.array(velocities, float)
         self.w = np.array(spins, float)
+        self.half_w = self.w.copy()
         count = len(self.x)
         weight = np.array([0.0, -problem.mass * problem.gravity, 0.0])
         self.force = np.tile(weight, (count, 1))
@@ -54,8 +55,8 @@ class Spheres:
         kick = 0.5 * p.dt / p.mass
         half_v = self.v + kick * self.force
         next_v = half_v + kick * self.force
-        half_w = self._turned(self.w)
-        next_w = self._turned(half_w)
+        half_w = self.half_w
+        next_w = half_w + (half_w - self.w)
         self.x += p.dt * half_v
         self.force[:] = [0.0, -p.mass * p.gravity, 0.0]
         self.torque[:] = 0.0
@@ -65,14 +66,15 @@ class Spheres:
         for i, j in itertools.combinations(range(len(self.x)), 2):
             self._pair(i, j, half_v, next_v, half_w, next_w)
         self.v = half_v + kick * self.force
-        self.w = self._turned(half_w)
+        self.half_w = self._turned(half_w)
+        self.w = 0.5 * (half_w + self.half_w)
 
     def _turned(self, spins):
         p = self.problem
-        half = 0.5 * p.dt / p.inertia
-        spins = spins + half * self.torque
+        turn = p.dt / p.inertia
+        spins = spins + turn * self.torque
         size = np.linalg.norm(spins, axis=1)
-        left = np.maximum(size - half * self.rolling, 0.0)
+        left = np.maximum(size - turn * self.rolling, 0.0)
         return spins * np.divide(left, size, out=np.zeros_like(size), where=size > 0)[:, None]
 
     def _plate(self, i, half_v, next_v, half_w, next_w):

@@ -39,7 +39,10 @@ def fly_to(problem, particle, step):
 
 @kernel(inline=True)
 def move(problem, particle, step):
-    """Move a particle from ``step`` to the next; return the square of the distance."""
+    """Move a particle from ``step`` to the next; return the square of the distance.
+
+    The spins of the step are known since `finish`.
+    """
     dt = problem.dt
     x, y, z = particle.x, particle.y, particle.z
     if particle.motion == FLYING:
@@ -52,9 +55,6 @@ def move(problem, particle, step):
         particle.next_vx = particle.half_vx + kick * particle.fx
         particle.next_vy = particle.half_vy + kick * particle.fy
         particle.next_vz = particle.half_vz + kick * particle.fz
-        half = _turned(problem, particle, (particle.wx, particle.wy, particle.wz))
-        particle.half_wx, particle.half_wy, particle.half_wz = half
-        particle.next_wx, particle.next_wy, particle.next_wz = _turned(problem, particle, half)
         particle.x += particle.half_vx * dt
         particle.y += particle.half_vy * dt
         particle.z += particle.half_vz * dt
@@ -63,15 +63,29 @@ def move(problem, particle, step):
 
 
 @kernel(inline=True)
-def _turned(problem, particle, spin):
-    """Spin after half a step: contact torques first, then the rolling resistance."""
+def _turn(problem, particle):
+    """Spin at this step, half a step on, and predicted for the next step.
+
+    From one half step to the next: contact torques first, then the rolling resistance. Its root
+    and its division are taken once, so the spin of now is the mean of both.
+    """
     turn = problem.turn
-    faster = (
-        spin[0] + turn * particle.mx,
-        spin[1] + turn * particle.my,
-        spin[2] + turn * particle.mz,
+    half_x, half_y, half_z = particle.half_wx, particle.half_wy, particle.half_wz
+    x, y, z = slowed(
+        (half_x + turn * particle.mx, half_y + turn * particle.my, half_z + turn * particle.mz),
+        turn * particle.rolling,
     )
-    return slowed(faster, turn * particle.rolling)
+    particle.wx, particle.wy, particle.wz = (
+        0.5 * (half_x + x),
+        0.5 * (half_y + y),
+        0.5 * (half_z + z),
+    )
+    particle.half_wx, particle.half_wy, particle.half_wz = x, y, z
+    particle.next_wx, particle.next_wy, particle.next_wz = (
+        x + (x - particle.wx),
+        y + (y - particle.wy),
+        z + (z - particle.wz),
+    )
 
 
 @kernel(inline=True)
@@ -109,8 +123,7 @@ def finish(problem, particle, step):
     particle.vx = particle.half_vx + kick * particle.fx
     particle.vy = particle.half_vy + kick * particle.fy
     particle.vz = particle.half_vz + kick * particle.fz
-    half = (particle.half_wx, particle.half_wy, particle.half_wz)
-    particle.wx, particle.wy, particle.wz = _turned(problem, particle, half)
+    _turn(problem, particle)
     if particle.in_contact != 0:
         particle.motion = TOUCHING
     else:

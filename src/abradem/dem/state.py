@@ -53,7 +53,7 @@ class Problem(NamedTuple):
     radius: float
     mass: float
     inertia: float
-    # dt / 2m and dt / 2I: what a force or torque of 1 gives in half a step.
+    # dt / 2m and dt / I: what a force of 1 gives in half a step, and a torque of 1 in a step.
     kick: float
     turn: float
     plate: Plate
@@ -185,7 +185,7 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
         mass=mass,
         inertia=0.4 * mass * radius**2,
         kick=0.5 * dt / mass,
-        turn=0.5 * dt / (0.4 * mass * radius**2),
+        turn=dt / (0.4 * mass * radius**2),
         plate=make_plate(setup.plate_length, setup.plate_width, case.plate_angle, setup.facets),
         plate_law=make_law(
             case.particle, case.plate, case.interaction, setup.contact, radius, mass
