@@ -529,6 +529,34 @@ def test_a_killed_run_continues_to_the_same_bytes(project):
     assert not (results / ".finished").exists()
 
 
+def test_models_killed_in_their_training_and_trained_on_one_core_are_the_same(project):
+    def content():
+        return {
+            path.relative_to(project.results): path.read_bytes()
+            for name in ("learning", "models")
+            for path in sorted((project.results / name).rglob("*"))
+            if path.is_file()
+        }
+
+    before = content()
+    again = ["linear", "penalised", "pca", "trees", "ga_ann", "physical", "intervals", "surrogate"]
+    scores = project.results / "learning" / "linear_scores.parquet"
+    with subprocess.Popen(
+        project.command("learning", "models", "--forcerun", *again, "--cores", "2"),
+        cwd=project.root, env=project.environment, start_new_session=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    ) as run:  # fmt: skip
+        deadline = time.monotonic() + 120.0
+        while scores.exists() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        time.sleep(3.0)
+        os.killpg(run.pid, signal.SIGKILL)
+    assert not set(before) <= set(content())
+    jobs = project.run("learning", "models", "--forcerun", *again, "--cores", "1")
+    assert set(again) <= set(jobs)
+    assert content() == before
+
+
 def test_a_failing_step_is_one_line_and_leaves_the_failures(project):
     with project.edited(
         "src/abradem/dataset.py", "    missing = [name for name in DATASET_COLUMNS if name not in",
