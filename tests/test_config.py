@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
+import re
 from pathlib import Path
 from typing import get_args
 
@@ -26,6 +28,7 @@ from abradem.config import (
     setup_dict,
     to_yaml,
 )
+from abradem.cost import SECONDS_PER_STONE
 from abradem.dem import model
 from abradem.parameters import SAMPLED
 from abradem.shards import setup_from_dict
@@ -646,15 +649,28 @@ def test_whatever_is_given_ends_in_a_configuration_or_in_one_line_per_problem(va
 def test_estimate_is_one_line_that_counts_cases_blocks_and_jobs():
     config = read_config(CONFIG, ROOT / "studies/smoke.yaml")
     line = estimate(config, cores=2)
-    assert line.startswith("smoke: 12 cases in 2 blocks, 4 simulation jobs, about ")
+    assert line.startswith("smoke: 12 cases in 2 blocks, 4 simulation jobs, simulated in about ")
     assert line.endswith(" on 2 cores")
 
 
-def test_estimated_time_of_a_case_grows_as_the_radius_shrinks_to_the_fourth():
-    def seconds(radius):
-        ranges = {"particle_radius_mm": radius}
-        simulation = {"stop": {"target_stderr": 1.0}}
-        study = {"study": "a", "sampling": {"ranges": ranges}, "simulation": simulation}
-        return module.estimate_case_seconds(Config.model_validate(study))
+def test_the_estimate_adds_up_cases_and_starts_of_jobs():
+    """Where no bed forms a case takes its stones times a constant, which `cost` states."""
 
-    assert seconds(5.0) / seconds(10.0) == pytest.approx(16.0, rel=1e-9)
+    def told(**changes):
+        study = {
+            "study": "a",
+            "sampling": {
+                "blocks": changes.get("blocks", 1),
+                "ranges": {"particle_radius_mm": 10, "particle_density": 2500, "plate_angle": 70},
+            },
+            "simulation": {"cases_per_job": 1, "stop": {"window_s": 99, "max_time_s": 100}},
+        }
+        line = estimate(Config.model_validate(study), cores=changes.get("cores", 1))
+        number, unit = re.search(r"about ([\d.]+) (\w+) on", line).groups()
+        return float(number) * {"s": 1.0, "min": 60.0, "h": 3600.0}[unit]
+
+    stones = 4.0 / (4.0 / 3.0 * math.pi * 0.01**3 * 2500.0) * 100.0
+    least = 100.0 * (stones * SECONDS_PER_STONE + module.SECONDS_PER_JOB)
+    assert least <= told() <= 1.3 * least
+    assert told(blocks=40) == pytest.approx(40.0 * told(), rel=0.1)
+    assert told(blocks=40, cores=8) == pytest.approx(told(blocks=5), rel=0.1)

@@ -1455,63 +1455,20 @@ def setup_dict(config: Config) -> dict:
 
 # Estimate --------------------------------------------------------------------------------
 
-SECONDS_PER_PARTICLE_STEP = 50e-9
-"""Computing time of one step of one live particle, one core of 2020 or later."""
-
-RESIDENCE_TIME = 0.5
-"""Mean time from release to removal, s: the fall, the slide and some time in a bed."""
-
-TRANSIENT_TIME = 1.0
-"""Simulated time before the steady window, s."""
-
-SPREAD_OF_A_STONE = 0.5
-"""Relative spread of the wear of single stones; so many squared over the target squared are
-needed for a rate with that standard error."""
-
-SECONDS_PER_JOB = 6.0
+SECONDS_PER_JOB = 2.5
 """Start of a job: interpreter, imports, loading of compiled code."""
 
-SECONDS_PER_STUDY = 90.0
-"""What does not grow with the cases: the joins, the models, figures and report."""
-
-_RADII = 32
-
-
-def estimate_case_seconds(config: Config) -> float:
-    """Return the mean computing time of a case, s, from live particles times steps.
-
-    A feed of n stones per second keeps n RESIDENCE_TIME of them alive, and each takes
-    time / step steps. At a given mass rate that grows as R^-4 toward small stones; large stones
-    are few, and are simulated longer to reach the standard error. The mean is taken over evenly
-    spaced radii; the other quantities are set to the middle of their ranges.
-    """
-    middle = {name: (low + high) / 2.0 for name, (low, high) in sampled_ranges(config).items()}
-    low, high = sampled_ranges(config)["particle_radius"]
-    setup = setup_dict(config)
-    stones = (SPREAD_OF_A_STONE / setup["target_stderr"]) ** 2
-    seconds = 0.0
-    for index in range(_RADII):
-        radius = low + (index + 0.5) / _RADII * (high - low)
-        mass = 4.0 / 3.0 * math.pi * radius**3 * middle["particle_density"]
-        rate = setup["number_rate"] or setup["mass_rate"] / mass
-        rayleigh_time = (
-            math.pi
-            * radius
-            * math.sqrt(middle["particle_density"] / middle["particle_shear_modulus"])
-            / (0.1631 * middle["particle_poisson_ratio"] + 0.8766)
-        )
-        steady = max(setup["window"], stones / rate)
-        simulated = min(TRANSIENT_TIME + steady, setup["max_time"])
-        steps = simulated / (setup["time_step_fraction"] * rayleigh_time)
-        seconds += rate * RESIDENCE_TIME * steps * SECONDS_PER_PARTICLE_STEP
-    return seconds / _RADII
+_LOOKED_AT = 1000
+"""Cases whose time is guessed; those after them are taken to be alike."""
 
 
 def estimate(config: Config, cores: int | None = None) -> str:
-    """Say in one line what a run will do: cases, jobs and roughly how long.
+    """Say in one line what a run will do: cases, jobs and roughly how long they take.
 
-    ``cores`` defaults to those of this machine.
+    The time is that of `cost.case_seconds`. ``cores`` defaults to those of this machine.
     """
+    from abradem.cost import case_seconds
+    from abradem.sampling import block_cases
     from abradem.shards import shards_of_block
 
     if config.dataset.external is not None:
@@ -1520,11 +1477,18 @@ def estimate(config: Config, cores: int | None = None) -> str:
     sampling = config.sampling
     shards = shards_of_block(sampling.cases_per_block, config.simulation.cases_per_job)
     jobs = sampling.blocks * len(shards)
-    work = config.cases * estimate_case_seconds(config) + jobs * SECONDS_PER_JOB
-    seconds = work / min(cores, jobs) + SECONDS_PER_STUDY
+    size = min(sampling.cases_per_block, _LOOKED_AT)
+    blocks = min(sampling.blocks, -(-_LOOKED_AT // size))
+    ranges, setup = sampled_ranges(config), setup_dict(config)
+    looked_at = [
+        block_cases(config.seed, block, size, sampling.method, ranges) for block in range(blocks)
+    ]
+    each = sum(case_seconds(cases, setup).sum() for cases in looked_at) / (blocks * size)
+    seconds = (config.cases * each + jobs * SECONDS_PER_JOB) / min(cores, jobs)
     return (
         f"{config.study}: {_count(config.cases, 'case')} in {_count(sampling.blocks, 'block')}, "
-        f"{_count(jobs, 'simulation job')}, about {_duration(seconds)} on {_count(cores, 'core')}"
+        f"{_count(jobs, 'simulation job')}, simulated in about {_duration(seconds)} on "
+        f"{_count(cores, 'core')}"
     )
 
 

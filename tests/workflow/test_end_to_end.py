@@ -152,7 +152,9 @@ def test_a_full_run_runs_every_rule(project):
 
 
 def test_a_run_says_what_it_will_do_and_how_far_it_is(project):
-    assert "smoke: 12 cases in 2 blocks, 4 simulation jobs, about" in project.first.stdout
+    assert (
+        "smoke: 12 cases in 2 blocks, 4 simulation jobs, simulated in about" in project.first.stdout
+    )
     assert re.search(r"^simulations: 12 of 12 cases done in", project.first.stdout, re.MULTILINE)
 
 
