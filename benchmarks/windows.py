@@ -1,0 +1,117 @@
+"""What a shorter window would have made of a study's wear rates, and a longer one of its beds.
+
+    python benchmarks/windows.py results/tenfold              # on stored records, seconds
+    python benchmarks/windows.py results/tenfold --beds 5     # new simulations of 20 s, an hour
+
+The first replays the stop rule (docs/method.md) on the stored series of a study with windows of 1,
+2 and 3 s, and compares the rates with those of its own window. The second simulates beds, small
+stones on nearly level plates, for `LONG` seconds, and compares the rate with which the rule stops
+with the mean of the second half.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from abradem.config import load_config, setup_dict
+from abradem.dataset import read_table
+from abradem.dem import simulate
+from abradem.dem.simulation import CHECK_GROWTH, MAPS_PER_WINDOW
+from abradem.dem.steady import batch_means, steady_start
+from abradem.shards import case_from_row, setup_from_dict
+
+SHORTER = (1.0, 2.0, 3.0)
+LONG = 20.0
+FLAT, SMALL = 12.0, 0.012
+"""Plate angle, deg, and radius, m, below which beds form."""
+
+
+def stopped_rate(time: np.ndarray, worn: np.ndarray, window: float, target: float):
+    """Rate that the stop rule ends with on a record, its relative standard error and the time.
+
+    nan where the record ends before the rule does.
+    """
+    interval = time[1] - time[0]
+    map_samples = max(1, round(window / MAPS_PER_WINDOW / interval))
+    maps_in_window = max(1, round(window / (map_samples * interval)))
+    map_interval = map_samples * interval
+    check = window
+    for k in range(1, len(time)):
+        if time[k] < check:
+            continue
+        check = time[k] * CHECK_GROWTH
+        start = steady_start(time[: k + 1], worn[: k + 1])
+        first_map = math.ceil(start.time / map_interval - 1e-9)
+        found = batch_means(time[: k + 1], worn[: k + 1], first_map * map_interval)
+        known = found.batches > 0 and found.rate > 0.0
+        stderr = found.stderr / found.rate if known else math.inf
+        if start.settled and first_map + maps_in_window <= k // map_samples and stderr <= target:
+            return found.rate, stderr, time[k]
+    return math.nan, math.nan, math.nan
+
+
+def replayed(folder: Path, setup) -> pd.DataFrame:
+    """Rates of all cases of a study by shorter windows, over those of its own."""
+    cases = read_table(folder / "cases.parquet").set_index("case_id")
+    rows = []
+    for path in sorted((folder / "series").glob("*.parquet")):
+        for case_id, record in read_table(path).groupby("case_id"):
+            time, worn = record["time"].to_numpy(), record["worn_total"].to_numpy()
+            rate = stopped_rate(time, worn, setup.window, setup.target_stderr)[0]
+            row = {"case_id": case_id}
+            for window in SHORTER:
+                shorter = stopped_rate(time, worn, window, setup.target_stderr)[0]
+                row[window] = shorter / rate - 1.0
+            rows.append(row)
+    return pd.DataFrame(rows).set_index("case_id").join(cases)
+
+
+def beds(folder: Path, setup, number: int) -> None:
+    """Simulate some of the study's beds for long and print a line for each."""
+    cases = read_table(folder / "cases.parquet")
+    flat = cases[(cases["plate_angle"] < 7.0) & cases["particle_radius"].between(0.007, SMALL)]
+    for row in flat.head(number).to_dict("records"):
+        result = simulate(case_from_row(row), replace(setup, duration=LONG))
+        time, worn = result.time, result.worn[:, 0]
+        rate, stderr, end = stopped_rate(time, worn, setup.window, setup.target_stderr)
+        late = batch_means(time, worn, LONG / 2.0)
+        print(
+            f"case {row['case_id']}: R {1e3 * row['particle_radius']:.1f} mm, "
+            f"{row['plate_angle']:.1f} deg: the rule stops after {end:.1f} s, "
+            f"{100 * (rate / late.rate - 1):+.1f} % from the mean of the last {LONG / 2:g} s; "
+            f"standard errors {100 * stderr:.1f} % and {100 * late.stderr / late.rate:.1f} %",
+            flush=True,
+        )
+
+
+def main() -> None:
+    """Print what shorter windows, or a longer one, would give."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("study", type=Path, help="its folder of results")
+    parser.add_argument("--beds", type=int, help="simulate so many beds for long instead")
+    chosen = parser.parse_args()
+    stored = yaml.safe_load((chosen.study / "config.yaml").read_text(encoding="utf-8"))
+    setup = setup_from_dict(setup_dict(load_config(stored)))
+    if chosen.beds:
+        beds(chosen.study, setup, chosen.beds)
+        return
+    table = replayed(chosen.study, setup)
+    bed = (table["plate_angle"] < FLAT) & (table["particle_radius"] < SMALL)
+    for window in SHORTER:
+        for name, which in (("beds", bed), ("others", ~bed)):
+            off = 100.0 * table.loc[which, window].dropna()
+            print(
+                f"window {window:g} s, {name}: {len(off)} cases, mean {off.mean():+.2f} %, "
+                f"largest {off.abs().max():.1f} %"
+            )
+
+
+if __name__ == "__main__":
+    main()
