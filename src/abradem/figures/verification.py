@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator, ScalarFormatter
 
 from abradem.figures import style
+from abradem.figures.words import minus
 
 _EXACT = {"color": style.BLACK, "ls": "--", "lw": 0.9, "label": "exact", "zorder": 3}
 _SMALL = {"ms": 2.5, "lw": 0.8}
@@ -320,7 +321,7 @@ def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:
             panels[1].errorbar(
                 one["plate_angle"], one["depth_rate"] / 10.0**power,
                 one["depth_stderr"] / 10.0**power, color=colour, marker="o",
-                label=f"factory {factory:+g}°", **_SMALL,
+                label=minus(f"factory {factory:+g}°"), **_SMALL,
             )  # fmt: skip
         panels[1].set_xlabel("Plate angle (°)")
         one = rates[rates["scene"].str.startswith("factory")]
@@ -334,7 +335,7 @@ def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:
             panel.set_ylabel(f"Depth rate ({style.scaled_unit(power, 'mm/s')})")
             panel.set_ylim(0, None)
             panel.set_title(words, loc="left")
-        return _finish(figure, panels, "stones at rest, W = 1e-10 /Pa; bars: standard error")
+        return _finish(figure, panels, "stones at rest, $W = 10^{-10}$ /Pa; bars: standard error")
 
 
 def conveyor_figure(rates: pd.DataFrame) -> Figure:
