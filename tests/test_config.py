@@ -15,13 +15,16 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from abradem import config as module
 from abradem.config import (
     Config,
     ConfigError,
+    declaration,
     documentation,
+    effort,
     estimate,
+    explaining,
     load_config,
+    page,
     read_config,
     sampled_ranges,
     schema,
@@ -566,19 +569,19 @@ def test_grown_smoke_study_differs_in_the_number_of_blocks_only():
 
 def test_schema_and_documentation_in_the_repository_are_the_generated_ones():
     hint = "run python -m abradem.config --write"
-    assert json.loads((ROOT / module.SCHEMA_FILE).read_text()) == schema(), hint
-    assert (ROOT / module.DOCUMENTATION_FILE).read_text() == documentation(), hint
+    assert json.loads((ROOT / page.SCHEMA_FILE).read_text()) == schema(), hint
+    assert (ROOT / page.DOCUMENTATION_FILE).read_text() == documentation(), hint
 
 
 def test_writing_regenerates_schema_and_documentation(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert module._main(["--write"]) == 0
-    assert (tmp_path / module.DOCUMENTATION_FILE).read_text() == documentation()
-    assert module._main([]) == 2
+    assert page.main(["--write"]) == 0
+    assert (tmp_path / page.DOCUMENTATION_FILE).read_text() == documentation()
+    assert page.main([]) == 2
 
 
 def test_every_key_has_a_help_text():
-    for key, field in module._leaves():
+    for key, field in explaining.leaves():
         assert field.description and field.description.endswith("."), key
 
 
@@ -590,14 +593,14 @@ def test_schema_refuses_unknown_keys_everywhere():
 @pytest.mark.parametrize(
     ("section", "name", "allowed"),
     [
-        (module.Contact, "normal", model.NORMAL_LAWS),
-        (module.Contact, "tangential", model.TANGENTIAL_LAWS),
-        (module.Contact, "tangential_damping", model.TANGENTIAL_DAMPINGS),
-        (module.Simulation, "stepping", model.STEPPINGS),
+        (declaration.Contact, "normal", model.NORMAL_LAWS),
+        (declaration.Contact, "tangential", model.TANGENTIAL_LAWS),
+        (declaration.Contact, "tangential_damping", model.TANGENTIAL_DAMPINGS),
+        (declaration.Simulation, "stepping", model.STEPPINGS),
     ],
 )
 def test_options_are_those_of_the_engine(section, name, allowed):
-    # They are repeated in config.py so that it need not import the engine.
+    # They are repeated in abradem.config so that it need not import the engine.
     assert get_args(section.model_fields[name].annotation) == allowed
 
 
@@ -670,7 +673,7 @@ def test_the_estimate_adds_up_cases_and_starts_of_jobs():
         return float(number) * {"s": 1.0, "min": 60.0, "h": 3600.0}[unit]
 
     stones = 4.0 / (4.0 / 3.0 * math.pi * 0.01**3 * 2500.0) * 100.0
-    least = 100.0 * (stones * SECONDS_PER_STONE + module.SECONDS_PER_JOB)
+    least = 100.0 * (stones * SECONDS_PER_STONE + effort.SECONDS_PER_JOB)
     assert least <= told() <= 1.3 * least
     assert told(blocks=40) == pytest.approx(40.0 * told(), rel=0.1)
     assert told(blocks=40, cores=8) == pytest.approx(told(blocks=5), rel=0.1)

@@ -185,7 +185,7 @@ STEPS: dict[str, tuple[str, ...]] = {
         *_CHECKS, "abradem.verification.facets_and_bed", "abradem.verification.jets",
     ),
     "verification_page": ("abradem.verification.page", "abradem.verification.table"),
-    "verification_figure": (*_FIGURE, "abradem.figures.verification"),
+    "verification_figure": (*_OF_MODELS, "abradem.figures.verification"),
 }  # fmt: skip
 """Modules (a package means all below it) that the script ``workflow/scripts/<step>.py`` uses."""
 

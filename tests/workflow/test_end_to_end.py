@@ -299,7 +299,7 @@ def test_an_edited_wear_rate_reruns_wear_rates_and_what_follows(project):
         ("src/abradem/shards.py", ALL_OF_SIMULATION),
         ("src/abradem/dem/synchronous.py", ALL_OF_SIMULATION),
         ("workflow/scripts/table.py", {"table": 13}),
-        ("src/abradem/config.py", {}),
+        ("src/abradem/config/declaration.py", {}),
         ("src/abradem/progress.py", {}),
         ("src/abradem/cost.py", {}),
         ("src/abradem/locks.py", {}),

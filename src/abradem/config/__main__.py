@@ -1,0 +1,7 @@
+"""python -m abradem.config --write"""
+
+import sys
+
+from abradem.config.page import main
+
+sys.exit(main(sys.argv[1:]))

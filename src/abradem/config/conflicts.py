@@ -1,0 +1,200 @@
+"""What is wrong with several keys together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+from abradem.config.declaration import Config, Factory
+from abradem.config.keys import Key
+from abradem.parameters import READINGS
+
+
+def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    """Yield key and problem for values that are fine alone but not together."""
+    # Some file systems do not tell capital letters from small ones.
+    if config.study.lower() in TAKEN_NAMES:
+        yield ("study",), f"is taken by {TAKEN_NAMES[config.study.lower()]} (allowed: another name)"
+    external = config.dataset.external
+    if external is not None and _is_below(external, f"results/{config.study}"):
+        yield (
+            ("dataset", "external"),
+            "is a result of this very study (allowed: a file elsewhere, or another study)",
+        )
+    simulation = config.simulation
+    yield from _feed_conflicts(simulation.factory)
+    yield from _size_conflicts(config)
+
+    plate = simulation.plate
+    shorter = min(plate.length_mm, plate.width_mm)
+    if plate.facet_size_mm > shorter:
+        yield (
+            ("simulation", "plate", "facet_size_mm"),
+            f"a facet must not be larger than the plate (allowed up to {shorter:g} mm)",
+        )
+    if config.sampling.ranges.particle_radius_mm[1] > shorter / 2.0:
+        yield (
+            ("sampling", "ranges", "particle_radius_mm"),
+            "a particle must not be wider than the plate "
+            f"(allowed radius up to {shorter / 2.0:g} mm on a plate of "
+            f"{plate.length_mm:g} x {plate.width_mm:g} mm)",
+        )
+
+    if config.figures.typical.particle_radius_mm > shorter / 2.0:
+        yield (
+            ("figures", "typical", "particle_radius_mm"),
+            f"a particle must not be wider than the plate (allowed up to {shorter / 2.0:g} mm)",
+        )
+
+    yield from _learning_conflicts(config)
+
+    stop = simulation.stop
+    if stop.max_time_s <= stop.window_s:
+        yield (
+            ("simulation", "stop", "max_time_s"),
+            f"must be longer than the window (allowed above {stop.window_s:g} s)",
+        )
+    most = stop.window_s / config.wear_rate.min_batches
+    if stop.sample_interval_s > most:
+        yield (
+            ("simulation", "stop", "sample_interval_s"),
+            f"gives too few samples for {config.wear_rate.min_batches} batches of the window "
+            f"(allowed up to {most:g} s)",
+        )
+    if simulation.export.cases and simulation.export.interval_s > stop.max_time_s:
+        yield (
+            ("simulation", "export", "interval_s"),
+            f"is longer than the simulation (allowed up to {stop.max_time_s:g} s)",
+        )
+
+    for key, cases in (
+        (("simulation", "export", "cases"), simulation.export.cases),
+        (("figures", "series_cases"), config.figures.series_cases),
+    ):
+        beyond = [case for case in cases if case >= config.cases]
+        if beyond:
+            yield key, f"there is no case {beyond[0]} (allowed 0 ... {config.cases - 1})"
+    for key, items in (
+        (("simulation", "export", "cases"), simulation.export.cases),
+        (("figures", "series_cases"), config.figures.series_cases),
+        (("figures", "formats"), config.figures.formats),
+        (("figures", "angles", "plate"), config.figures.angles.plate),
+        (("figures", "angles", "factory"), config.figures.angles.factory),
+        (("figures", "movie", "plate_angles"), config.figures.movie.plate_angles),
+    ):
+        if len(set(items)) < len(items):
+            yield key, "names an item twice (allowed once each)"
+    if "png" not in config.figures.formats:
+        yield ("figures", "formats"), "must include png, which the report shows (allowed pdf, png)"
+
+
+TAKEN_NAMES = {
+    "verification": "the results of make verify",
+    "benchmarks": "the results of make bench",
+}
+"""Folders under results/ that are no study's."""
+
+MOST_FACETS = 1_000_000
+"""More facets than this would fill tables, not resolve wear."""
+
+MOST_CASES = 1_000_000
+MOST_JOBS = 20_000
+"""Simulation jobs beyond which the workflow needs minutes, then hours, to begin."""
+
+MOST_SAMPLES = 100_000
+"""Samples of the worn volume that the engine takes of a case."""
+
+MOST_MAP_BYTES = 4e9
+"""Memory of a case's maps of worn volume by facet, ten of which are kept for each window."""
+
+
+def _is_below(path: str, folder: str) -> bool:
+    try:
+        return Path(path).resolve().is_relative_to(Path(folder).resolve())
+    except (OSError, ValueError):
+        return False
+
+
+def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    """What would fill disk or memory, or never begin."""
+    from abradem.shards import shards_of_block
+
+    sampling, simulation = config.sampling, config.simulation
+    plate, stop = simulation.plate, simulation.stop
+    if config.cases > MOST_CASES:
+        yield (
+            ("sampling", "blocks"),
+            f"makes {config.cases} cases with {sampling.cases_per_block} in a block "
+            f"(allowed up to {MOST_CASES} cases in all)",
+        )
+    else:
+        shards = shards_of_block(sampling.cases_per_block, simulation.cases_per_job)
+        jobs = sampling.blocks * len(shards)
+        if jobs > MOST_JOBS:
+            yield (
+                ("simulation", "cases_per_job"),
+                f"makes {jobs} simulation jobs (allowed up to {MOST_JOBS}; take more cases per "
+                "job, or fewer and larger blocks)",
+            )
+    facets = math.prod(
+        math.ceil(side / plate.facet_size_mm) for side in (plate.length_mm, plate.width_mm)
+    )
+    maps = 10.0 * stop.max_time_s / stop.window_s
+    if facets > MOST_FACETS:
+        yield (
+            ("simulation", "plate", "facet_size_mm"),
+            f"divides the plate into {facets} facets (allowed up to {MOST_FACETS})",
+        )
+    elif maps * facets * len(READINGS) * 8.0 > MOST_MAP_BYTES:
+        yield (
+            ("simulation", "plate", "facet_size_mm"),
+            f"with {facets} facets, {maps:.0f} maps of a case would fill the memory; take larger "
+            "facets, a longer window or a shorter max_time_s "
+            f"(allowed {MOST_MAP_BYTES / 1e9:g} GB)",
+        )
+    least = stop.max_time_s / MOST_SAMPLES
+    if stop.sample_interval_s < least:
+        yield (
+            ("simulation", "stop", "sample_interval_s"),
+            f"gives more than {MOST_SAMPLES} samples in max_time_s (allowed from {least:g} s)",
+        )
+
+
+def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    network = config.learning.ga_ann
+    for low, high in (("min_layers", "max_layers"), ("min_neurons", "max_neurons")):
+        most = getattr(network, high)
+        if getattr(network, low) > most:
+            yield ("learning", "ga_ann", low), f"must not exceed {high} (allowed up to {most})"
+    for name, most in (
+        ("elites", network.population - 1),
+        ("tournament_size", network.population),
+    ):
+        if getattr(network, name) > most:
+            yield (
+                ("learning", "ga_ann", name),
+                f"is too many for a population of {network.population} (allowed up to {most})",
+            )
+    points = config.learning.physical.sobol_points
+    if points & (points - 1):
+        yield ("learning", "physical", "sobol_points"), "is no power of two"
+    if config.dataset.columns and config.dataset.external is None:
+        yield ("dataset", "columns"), "needs the table it is about, dataset.external"
+
+
+def _feed_conflicts(factory: Factory) -> Iterator[tuple[Key, str]]:
+    key_of = {"mass": "mass_rate_kg_s", "number": "number_rate_per_s"}
+    for feed, name in key_of.items():
+        rate = getattr(factory, name)
+        if feed == factory.feed and rate is None:
+            yield (
+                ("simulation", "factory", name),
+                f"feed: {feed} needs this rate (allowed a number above 0)",
+            )
+        if feed != factory.feed and rate is not None:
+            yield (
+                ("simulation", "factory", name),
+                f"feed: {factory.feed} takes its rate from {key_of[factory.feed]} "
+                "(allowed null here)",
+            )

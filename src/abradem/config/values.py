@@ -1,0 +1,66 @@
+"""A configuration in the plain values, SI, that the stages take."""
+
+from __future__ import annotations
+
+import yaml
+
+from abradem.config.declaration import Config, to_si
+from abradem.parameters import SAMPLED
+
+
+def to_yaml(config: Config) -> str:
+    """Return the resolved configuration, every key with its value, as YAML."""
+    return yaml.safe_dump(
+        config.model_dump(mode="json"), sort_keys=False, default_flow_style=None, width=100
+    )
+
+
+def sampled_ranges(config: Config) -> dict[str, list[float]]:
+    """Return {name: [lower, upper]} of the 14 sampled quantities in the table's units (SI)."""
+    ranges = config.sampling.ranges
+    return {
+        row.name: [to_si(row, bound) for bound in getattr(ranges, row.config_key)]
+        for row in SAMPLED
+    }
+
+
+def typical_case(config: Config) -> dict[str, float]:
+    """Return the arguments of `abradem.Case` of the case that stands for the study, SI units."""
+    middle = {name: (low + high) / 2.0 for name, (low, high) in sampled_ranges(config).items()}
+    chosen = config.figures.typical
+    given = {
+        row.name: to_si(row, getattr(chosen, row.config_key))
+        for row in SAMPLED
+        if hasattr(chosen, row.config_key)
+    }
+    return {**middle, **given, "seed": config.seed}
+
+
+def setup_dict(config: Config) -> dict:
+    """Return the arguments of `abradem.Setup` as plain JSON values, SI units.
+
+    `abradem.shards.setup_from_dict` makes the set-up of them.
+    """
+    simulation = config.simulation
+    plate, factory, stop = simulation.plate, simulation.factory, simulation.stop
+    pair = simulation.pair_interaction
+    return {
+        "plate_length": plate.length_mm / 1000.0,
+        "plate_width": plate.width_mm / 1000.0,
+        "facet_size": plate.facet_size_mm / 1000.0,
+        "patch_length": factory.patch_length_mm / 1000.0,
+        "patch_width": factory.patch_width_mm / 1000.0,
+        "fall_height": factory.fall_height_mm / 1000.0,
+        "mass_rate": factory.mass_rate_kg_s,
+        "number_rate": factory.number_rate_per_s,
+        "removal_depth": simulation.removal_depth_mm / 1000.0,
+        "gravity": simulation.gravity,
+        "contact": simulation.contact.model_dump(),
+        "pair_interaction": None if pair is None else pair.model_dump(),
+        "time_step_fraction": simulation.time_step_rayleigh_fraction,
+        "stepping": simulation.stepping,
+        "window": stop.window_s,
+        "max_time": stop.max_time_s,
+        "target_stderr": stop.target_stderr,
+        "sample_interval": stop.sample_interval_s,
+    }
