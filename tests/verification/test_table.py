@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from abradem.config import Simulation
+from abradem.config.declaration import Simulation
 from abradem.dataset import read_table, read_units
 from abradem.parameters import READINGS
 from abradem.verification import codes, laws, time_step
