@@ -12,15 +12,18 @@ was dissipated; nothing is gained). At the end the memory of the process must no
 from __future__ import annotations
 
 import argparse
+import bisect
+import csv
 import math
+import os
 import resource
 import sys
 import time
+from array import array
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from abradem.dem import Case, Setup, simulate
 from abradem.dem.model import NORMAL_LAWS, STEPPINGS, TANGENTIAL_DAMPINGS, ContactModel
@@ -32,9 +35,11 @@ MOST_GROWTH = 0.1
 """Growth of the memory from the tenth part of the time to its end, as a share, that counts as
 none: the allocator keeps what the largest case needed."""
 
-
 MOST_STEPS = 300_000
 """Steps of a case beyond which another is drawn: a bed of the hardest stones would take hours."""
+
+
+COLUMNS = ("elapsed_s", "case_s", "simulated_s", "memory_mb", "status", "problems")
 
 
 def draw(rng: np.random.Generator) -> tuple[Case, Setup]:
@@ -97,17 +102,14 @@ def megabytes() -> float:
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--minutes", type=float, default=60.0)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--table", type=Path, help="CSV of all cases")
-    options = parser.parse_args()
-
-    rng = np.random.default_rng(options.seed)
-    rows, bad = [], 0
+def soak(minutes: float, seed: int, log) -> int:
+    """Simulate random cases for so long, a row of `log` for each; return an exit status."""
+    rng = np.random.default_rng(seed)
+    # The log is a file and of each case only two numbers are kept: the memory is the engine's.
+    elapsed_s, memory_mb = array("d"), array("d")
+    kinds, simulated_s, longest, bad = Counter(), 0.0, 0.0, 0
     began = time.monotonic()
-    while (elapsed := time.monotonic() - began) < 60.0 * options.minutes:
+    while (elapsed := time.monotonic() - began) < 60.0 * minutes:
         case, setup = draw(rng)
         step = setup.time_step_fraction * rayleigh_time(case.particle_radius, case.particle)
         if setup.duration / step > MOST_STEPS:
@@ -119,29 +121,48 @@ def main() -> int:
             status, simulated, problems = f"refused: {refused}", 0.0, []
         else:
             status, simulated, problems = result.status, result.simulated_time, problems_of(result)
-        bad += bool(problems)
         for problem in problems:
             print(f"{problem}\n  {case}\n  {setup}", flush=True)
-        rows.append({
-            "elapsed_s": elapsed, "case_s": time.monotonic() - start, "simulated_s": simulated,
-            "memory_mb": megabytes(), "status": status, "problems": "; ".join(problems),
-        })  # fmt: skip
-    table = pd.DataFrame(rows)
-    if options.table:
-        options.table.parent.mkdir(parents=True, exist_ok=True)
-        table.to_csv(options.table, index=False)
+        seconds = time.monotonic() - start
+        elapsed_s.append(elapsed)
+        memory_mb.append(megabytes())
+        kinds[status.split(":")[0].split(" of ")[0]] += 1
+        simulated_s, longest, bad = (
+            simulated_s + simulated,
+            max(longest, seconds),
+            bad + bool(problems),
+        )
+        log.writerow([elapsed, seconds, simulated, memory_mb[-1], status, "; ".join(problems)])
 
-    kinds = Counter(status.split(":")[0].split(" of ")[0] for status in table["status"])
-    print(f"{len(table)} cases, {table['simulated_s'].sum():.0f} s simulated: {dict(kinds)}")
-    early = table[table["elapsed_s"] < 0.1 * table["elapsed_s"].iloc[-1]]["memory_mb"].max()
-    growth = table["memory_mb"].iloc[-1] / early - 1.0
-    last, most = table["memory_mb"].iloc[-1], table["memory_mb"].max()
+    print(f"{len(elapsed_s)} cases, {simulated_s:.0f} s simulated: {dict(kinds)}")
+    tenth = bisect.bisect(elapsed_s, 0.1 * elapsed_s[-1])
+    early, last, most = max(memory_mb[:tenth]), memory_mb[-1], max(memory_mb)
+    growth = last / early - 1.0
     print(
         f"memory: {early:.0f} MB after a tenth of the time, {last:.0f} MB at the end "
         f"({100 * growth:+.1f} %), at most {most:.0f} MB"
     )
-    print(f"longest case: {table['case_s'].max():.1f} s; cases with a problem: {bad}")
+    print(f"longest case: {longest:.1f} s; cases with a problem: {bad}")
     return 1 if bad or growth > MOST_GROWTH else 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--table", type=Path, help="CSV of all cases")
+    options = parser.parse_args()
+    if not options.table:
+        with open(os.devnull, "w") as sink:
+            return soak(options.minutes, options.seed, csv.writer(sink))
+    options.table.parent.mkdir(parents=True, exist_ok=True)
+    part = options.table.with_name(options.table.name + ".part")
+    with part.open("w", newline="", encoding="utf-8") as sink:
+        log = csv.writer(sink)
+        log.writerow(COLUMNS)
+        status = soak(options.minutes, options.seed, log)
+    os.replace(part, options.table)
+    return status
 
 
 if __name__ == "__main__":
