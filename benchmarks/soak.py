@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import bisect
 import csv
+import io
 import math
 import os
 import resource
@@ -25,6 +26,7 @@ from pathlib import Path
 
 import numpy as np
 
+from abradem.dataset import replacing
 from abradem.dem import Case, Setup, simulate
 from abradem.dem.model import NORMAL_LAWS, STEPPINGS, TANGENTIAL_DAMPINGS, ContactModel
 from abradem.dem.simulation import ENERGY_TOLERANCE
@@ -37,7 +39,6 @@ none: the allocator keeps what the largest case needed."""
 
 MOST_STEPS = 300_000
 """Steps of a case beyond which another is drawn: a bed of the hardest stones would take hours."""
-
 
 COLUMNS = ("elapsed_s", "case_s", "simulated_s", "memory_mb", "status", "problems")
 
@@ -127,11 +128,9 @@ def soak(minutes: float, seed: int, log) -> int:
         elapsed_s.append(elapsed)
         memory_mb.append(megabytes())
         kinds[status.split(":")[0].split(" of ")[0]] += 1
-        simulated_s, longest, bad = (
-            simulated_s + simulated,
-            max(longest, seconds),
-            bad + bool(problems),
-        )
+        simulated_s += simulated
+        longest = max(longest, seconds)
+        bad += bool(problems)
         log.writerow([elapsed, seconds, simulated, memory_mb[-1], status, "; ".join(problems)])
 
     print(f"{len(elapsed_s)} cases, {simulated_s:.0f} s simulated: {dict(kinds)}")
@@ -155,13 +154,13 @@ def main() -> int:
     if not options.table:
         with open(os.devnull, "w") as sink:
             return soak(options.minutes, options.seed, csv.writer(sink))
-    options.table.parent.mkdir(parents=True, exist_ok=True)
-    part = options.table.with_name(options.table.name + ".part")
-    with part.open("w", newline="", encoding="utf-8") as sink:
-        log = csv.writer(sink)
+    with replacing(options.table) as sink:
+        lines = io.TextIOWrapper(sink, encoding="utf-8", newline="")
+        log = csv.writer(lines)
         log.writerow(COLUMNS)
         status = soak(options.minutes, options.seed, log)
-    os.replace(part, options.table)
+        lines.flush()
+        lines.detach()
     return status
 
 
