@@ -5,7 +5,7 @@ import pytest
 from test_shards import table_of_cases
 
 from abradem.dataset import concatenate, join, read_table, write_table
-from abradem.shards import TABLES, run_shard, setup_from_dict
+from abradem.shards import FILES, TABLES, run_shard, setup_from_dict
 from abradem.wear_rate import wear_rates
 
 SETUP = {"window": 1.0, "max_time": 3.0, "facet_size": 0.05, "target_stderr": 0.1}
@@ -16,9 +16,9 @@ def dataset(folder, cases, cuts):
     parts = {name: [] for name in ("rates", "runs")}
     for start, stop in cuts:
         some = cases.iloc[start:stop]
-        outputs = {name: folder / f"{name}-{start}.parquet" for name in TABLES}
+        outputs = {name: folder / f"{name}-{start}.parquet" for name in FILES}
         run_shard(some, SETUP, outputs, folder / ".finished" / str(start), "code")
-        tables = {name: read_table(path) for name, path in outputs.items()}
+        tables = {name: read_table(outputs[name]) for name in TABLES}
         rates = wear_rates(**tables, cases=some, setup=setup_from_dict(SETUP))
         write_table(rates, folder / "rates.parquet")
         parts["rates"].append(read_table(folder / "rates.parquet"))

@@ -9,13 +9,14 @@ import pytest
 from test_shards import SETUP, table_of_cases
 
 from abradem.dataset import replacing, write_json, write_table
+from abradem.shards import FILES
 
 LIMITED = """
 import resource, signal, sys
 import abradem.dem, numpy, pandas, pyarrow.parquet
 from abradem.joblog import log_to
 from abradem.dataset import read_table
-from abradem.shards import TABLES, run_shard
+from abradem.shards import FILES, run_shard
 log_to("job.log")
 kind, most, setup = sys.argv[1], int(sys.argv[2]), dict(eval(sys.argv[3]))
 cases = read_table("cases.parquet")
@@ -28,7 +29,7 @@ elif kind == "memory":
     warm()
     used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + most, used + most))
-run_shard(cases, setup, {name: f"{name}.parquet" for name in TABLES}, "finished/shard", "code")
+run_shard(cases, setup, {name: f"{name}.parquet" for name in FILES}, "finished/shard", "code")
 """
 """A shard in a process of its own, under a limit."""
 
@@ -61,7 +62,7 @@ def test_a_disk_that_fills_up_is_one_line_and_the_shard_goes_on_later(cases, tmp
     assert os.strerror(errno.EFBIG) in line and ".parquet" in line and "job.log" in line
     assert written(tmp_path) == [] and not list(tmp_path.rglob("*.tmp"))
     assert shard(tmp_path, "none", 0).returncode == 0
-    assert written(tmp_path) == ["maps.parquet", "runs.parquet", "series.parquet"]
+    assert written(tmp_path) == [f"{name}.parquet" for name in sorted(FILES)]
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks Linux for what is used")

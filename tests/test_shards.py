@@ -17,7 +17,15 @@ from abradem import shards
 from abradem.dataset import read_table
 from abradem.dem.model import Case, Setup, SimulationResult
 from abradem.parameters import SAMPLED
-from abradem.shards import STARTED, TABLES, case_key, run_shard, setup_from_dict, shards_of_block
+from abradem.shards import (
+    FILES,
+    STARTED,
+    TABLES,
+    case_key,
+    run_shard,
+    setup_from_dict,
+    shards_of_block,
+)
 
 SETUP = {"window": 1.0, "max_time": 3.0, "facet_size": 0.15}
 
@@ -66,7 +74,7 @@ def engine(monkeypatch):
 
 
 def run(folder, cases=None, setup=SETUP, code="code"):
-    outputs = {name: folder / f"{name}.parquet" for name in TABLES}
+    outputs = {name: folder / f"{name}.parquet" for name in FILES}
     cases = table_of_cases() if cases is None else cases
     run_shard(cases, setup, outputs, folder / ".finished" / "shard", code)
     return {name: read_table(path) for name, path in outputs.items()}
@@ -105,6 +113,25 @@ def test_a_rejected_case_is_not_simulated_and_has_no_series(engine, tmp_path):
     assert set(tables["series"]["case_id"]) == set(tables["maps"]["case_id"]) == {0, 2, 3}
     row = tables["runs"].set_index("case_id").loc[1]
     assert row["simulated_time"] == 0.0 and math.isnan(row["window_start"])
+
+
+def test_the_time_of_each_case_is_kept_over_an_interruption(engine, tmp_path, monkeypatch):
+    """The third simulation is the one that is interrupted; its 3 s are nobody's."""
+    now, spent = [0.0], iter([1.0, 2.0, 3.0, 4.0, 5.0])
+    simulate = abradem.dem.simulate
+
+    def slow(case, setup):
+        now[0] += next(spent)
+        return simulate(case, setup)
+
+    monkeypatch.setattr(abradem.dem, "simulate", slow)
+    monkeypatch.setattr(time, "process_time", lambda: now[0])
+    engine.fails_at = 3
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path)
+    times = run(tmp_path)["times"]
+    assert times["case_id"].tolist() == [0, 1, 2, 3]
+    assert times["processor_time"].tolist() == [1.0, 2.0, 4.0, 5.0]
 
 
 def test_a_shard_of_rejected_cases_only_is_written(engine, tmp_path):
@@ -253,7 +280,7 @@ def test_two_processes_at_the_same_shard_take_turns(engine, tmp_path):
         thread.join()
     assert turns == sorted(turns, key=turns.index) and len(turns) == 12
     assert sorted(path.name for path in tmp_path.glob("*.parquet")) == [
-        "maps.parquet", "runs.parquet", "series.parquet",
+        "maps.parquet", "runs.parquet", "series.parquet", "times.parquet",
     ]  # fmt: skip
     assert not list((tmp_path / ".finished").iterdir())
 
@@ -262,7 +289,7 @@ def test_nothing_but_the_tables_is_left(engine, tmp_path):
     run(tmp_path)
     assert not (tmp_path / ".finished" / "shard").exists()
     assert sorted(path.name for path in tmp_path.glob("*.*")) == [
-        ".finished", "maps.parquet", "runs.parquet", "series.parquet",
+        ".finished", "maps.parquet", "runs.parquet", "series.parquet", "times.parquet",
     ]  # fmt: skip
 
 

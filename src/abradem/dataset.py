@@ -124,6 +124,8 @@ _RUNS = {
     "removed": Column("1", "particles removed", "int64"),
 }
 
+_TIMES = {"processor_time": Column("s", "processor time that the case took")}
+
 _WEAR_RATES = {
     **{
         wear_column(reading, statistic): Column(
@@ -263,6 +265,7 @@ COLUMNS: dict[str, Column] = {
     **_SERIES,
     **_MAPS,
     **_RUNS,
+    **_TIMES,
     **_WEAR_RATES,
     **_LEARNING,
     **_MODELS,

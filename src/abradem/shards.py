@@ -1,9 +1,9 @@
 """Simulations in shards: a run of neighbouring cases of one block, one job, three tables.
 
 A shard is a pure function of the block's cases, the set-up and the code, so that a study can
-grow without touching what it has. Each case that is finished is kept at once, under a name
-made of everything that determines it; a shard that was interrupted takes these up again and
-gives the same bytes as one that was not.
+grow without touching what it has. A fourth table, of what each case cost, is of the machine.
+Each case that is finished is kept at once, under a name made of everything that determines it;
+a shard that was interrupted takes these up again and gives the same bytes as one that was not.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import json
 import math
 import os
 import shutil
+import time
 import traceback
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,6 +22,11 @@ from abradem.locks import locked
 from abradem.parameters import READINGS, SAMPLED_NAMES
 
 TABLES = ("series", "maps", "runs")
+"""Tables of a case's result."""
+
+FILES = ("series", "maps", "times", "runs")
+"""Tables that are kept of a case, in the order they are written: if there are runs, so are the
+others."""
 
 JOBS_PER_BLOCK = 20
 """Jobs that ``cases_per_job: auto`` makes of a block: enough to keep a few cores busy."""
@@ -145,7 +151,9 @@ def run_shard(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
     setup : mapping
         Plain values of the `Setup`.
     outputs : mapping of str to path
-        Where each of `TABLES` goes.
+        Where each of `FILES` goes: ``times`` holds the processor time of each case, s, however
+        many attempts the shard took. Snakemake's own figure in ``benchmarks/`` is up to 30 s
+        short, as it looks at a job every 30 s.
     finished : path
         Folder of this shard alone in which finished cases are kept until all are done.
     code : str
@@ -167,13 +175,13 @@ def run_shard(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
         _drop_others(finished, keys)
         (finished / STARTED).write_text(str(finished_cases(finished)), encoding="utf-8")
 
-        frames = {name: [] for name in TABLES}
+        frames = {name: [] for name in FILES}
         problems = []
         parent = os.getppid()
         for row, key in zip(rows, keys, strict=True):
             if os.getppid() != parent:
                 raise RuntimeError("the run that started this job is gone; finished cases are kept")
-            paths = {name: finished / f"{key}.{name}.parquet" for name in TABLES}
+            paths = {name: finished / f"{key}.{name}.parquet" for name in FILES}
             try:
                 tables = _kept(paths) or _simulated(row, setup, paths)
             except Exception as error:
@@ -186,24 +194,28 @@ def run_shard(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
                     reason = f"too little memory: {reason}"
                 problems.append(f"case {row['case_id']}: {reason}")
                 continue
-            for name in TABLES:
+            for name in FILES:
                 frames[name].append(tables[name])
         if problems:
             raise RuntimeError("\n".join(problems))
-        for name in TABLES:
+        for name in FILES:
             write_table(concatenate(frames[name]), outputs[name])
         shutil.rmtree(finished)
 
 
 def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     """Simulate a case and keep its tables."""
+    import pandas as pd
+
     from abradem.dataset import read_table, write_table
 
+    start = time.process_time()
     tables = run_case(row, setup)
-    # The runs table is the last: if it is there, so are the others.
-    for name in TABLES:
+    spent = time.process_time() - start
+    tables["times"] = pd.DataFrame({"case_id": [int(row["case_id"])], "processor_time": [spent]})
+    for name in FILES:
         write_table(tables[name], paths[name])
-    return {name: read_table(paths[name]) for name in TABLES}
+    return {name: read_table(paths[name]) for name in FILES}
 
 
 def _kept(paths: Mapping) -> dict | None:
@@ -211,7 +223,7 @@ def _kept(paths: Mapping) -> dict | None:
     from abradem.dataset import TableError, read_table
 
     try:
-        return {name: read_table(paths[name]) for name in reversed(TABLES)}
+        return {name: read_table(paths[name]) for name in reversed(FILES)}
     except TableError:
         # Not there, or damaged by a machine that went down.
         return None
@@ -232,7 +244,7 @@ def resumed_cases(folder: Path) -> int:
 
 def _drop_others(folder: Path, keys: list[str]) -> None:
     """Remove what belongs to none of ``keys``: remains of other values or other code."""
-    wanted = {f"{key}.{name}.parquet" for key in keys for name in TABLES}
+    wanted = {f"{key}.{name}.parquet" for key in keys for name in FILES}
     for path in folder.iterdir():
         if path.name not in wanted and path.name != STARTED:
             path.unlink()

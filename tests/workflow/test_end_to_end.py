@@ -167,6 +167,13 @@ def test_every_case_is_in_the_data_set_or_among_the_failures(project):
     assert len(dataset) > 0 and (dataset["status"] == "ok").all()
 
 
+def test_the_processor_time_of_every_case_stands_beside_the_results(project):
+    parts = sorted((project.results / "benchmarks" / "cases").glob("*.parquet"))
+    times = pd.concat(read_table(part) for part in parts)
+    assert len(parts) == SHARDS and times["case_id"].tolist() == list(range(12))
+    assert (times["processor_time"] > 0.0).all()
+
+
 def test_configuration_versions_and_seed_stand_beside_the_results(project):
     resolved = yaml.safe_load((project.results / "config.yaml").read_text())
     assert resolved["sampling"]["cases_per_block"] == 6 and "gravity" in resolved["simulation"]

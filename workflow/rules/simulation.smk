@@ -19,6 +19,7 @@ rule simulate:
     output:
         series=f"{RESULTS}/series/block-{{block}}-shard-{{shard}}.parquet",
         maps=f"{RESULTS}/maps/block-{{block}}-shard-{{shard}}.parquet",
+        times=f"{RESULTS}/benchmarks/cases/block-{{block}}-shard-{{shard}}.parquet",
         runs=f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet",
     log:
         f"{LOGS}/simulate/block-{{block}}-shard-{{shard}}.log",
