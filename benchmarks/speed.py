@@ -7,9 +7,7 @@ Ours is a whole `simulate` call after a warm-up, with its three wear readings on
 that of a peer its run loop alone, without wear (`peers`). One core each. Ours is timed before and
 after the others, and between them unless it takes long; of each the shortest time counts.
 
-    python benchmarks/speed.py --study results/paper
-
-tells what the simulations of a finished study cost.
+`benchmarks/study.py` tells what the simulations of a finished study cost.
 """
 
 from __future__ import annotations
@@ -207,27 +205,8 @@ def compare(name: str, seconds: float | None, rounds: int | None, clock: str, ot
     return rows
 
 
-def study_cost(folder: Path) -> None:
-    """Print what the simulations of a finished study cost, from the time noted of each case."""
-    times, runs = (
-        sorted((folder / part).glob("*.parquet")) for part in ("benchmarks/cases", "runs")
-    )
-    if not times or len(times) != len(runs):
-        raise SystemExit(
-            f"{folder} holds {len(runs)} tables in runs/ and {len(times)} in benchmarks/cases/: "
-            "not the simulations of a finished study"
-        )
-    spent = pd.concat(pd.read_parquet(file) for file in times)["processor_time"]
-    simulated = pd.concat(pd.read_parquet(file) for file in runs)["simulated_time"]
-    print(
-        f"S: {len(spent)} cases, {simulated.sum():.0f} simulated seconds, {len(times)} jobs: "
-        f"{spent.sum():.0f} s of computing, the dearest case {spent.max():.0f} s, "
-        f"which is {spent.sum() / 120.0:.1f} min on two cores; wanted: 3 min"
-    )
-
-
 def main() -> None:
-    """Print the lines of all scenarios, or the cost of a study."""
+    """Print the lines of all scenarios."""
     parser = argparse.ArgumentParser(description="time this engine against others")
     parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="of A, M, B, D")
     parser.add_argument("--seconds", type=float, help="simulate so long, whatever the scenario")
@@ -235,11 +214,7 @@ def main() -> None:
     parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
     parser.add_argument("--without", nargs="*", default=[], help="of liggghts, lammps, synchronous")
     parser.add_argument("--table", type=Path, help="CSV file for the numbers")
-    parser.add_argument("--study", type=Path, help="folder of a study: what did it cost")
     chosen = parser.parse_args()
-    if chosen.study:
-        study_cost(chosen.study)
-        return
     unknown = [name for name in chosen.scenarios if name not in SCENARIOS]
     if unknown:
         parser.error(f"scenario {unknown[0]!r} is unknown; allowed: {', '.join(SCENARIOS)}")
