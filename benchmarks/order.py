@@ -17,48 +17,46 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from scipy.optimize import minimize
+from study import Study, jobs_of_block, read_study
 
 from abradem import cost
-from abradem.config import Config, read_config, setup_dict
+from abradem.config import setup_dict
 from abradem.dataset import read_table
-from abradem.shards import shards_of_block
 
 CONSTANTS = (
     "SECONDS_PER_STONE", "SECONDS_IN_A_BED", "BED_RADIUS_EXPONENT", "BED_ANGLE", "BED_SPEED",
 )  # fmt: skip
 
 
-class Study(NamedTuple):
-    """The cases of a study that were simulated, and their processor times."""
+class Timed(NamedTuple):
+    """Cases of a study that were simulated to their end, and their processor times."""
 
-    config: Config
+    study: Study
     cases: pd.DataFrame
     seconds: np.ndarray
 
     @property
     def guess(self) -> np.ndarray:
         """What `abradem.cost` says of each case now, s."""
-        return cost.case_seconds(self.cases, setup_dict(self.config))
+        return cost.case_seconds(self.cases, setup_dict(self.study.config))
 
 
-def read_study(folder: Path) -> Study:
+def read_times(folder: Path) -> Timed:
     """Read a finished study."""
-    config = read_config(folder / "config.yaml")
-    parts = sorted((folder / "benchmarks" / "cases").glob("*.parquet"))
-    if len(parts) != config.sampling.blocks * len(jobs_of_block(config)):
-        raise SystemExit(f"{folder}/benchmarks/cases/ holds {len(parts)} tables: not all jobs")
-    times = pd.concat(map(read_table, parts))
-    cases = read_table(folder / "cases.parquet").merge(times, on="case_id")
-    known = cases[cases["rejected"] == ""].reset_index(drop=True)
-    return Study(config, known, known["processor_time"].to_numpy())
+    study = read_study(folder)
+    blocks = range(study.config.sampling.blocks)
+    cases = pd.concat(
+        read_table(folder / "cases" / f"block-{block:03d}.parquet") for block in blocks
+    )
+    runs, times = pd.concat(study.runs), pd.concat(study.times)
+    ended = runs.loc[runs["status"] == "ok", ["case_id"]]
+    known = cases.merge(ended, on="case_id").merge(times, on="case_id")
+    if known.empty or not (known["processor_time"] > 0.0).all():
+        raise SystemExit(f"{folder}: no case was simulated, or one took no time")
+    return Timed(study, known, known["processor_time"].to_numpy())
 
 
-def jobs_of_block(config: Config) -> list[tuple[int, int]]:
-    """First and last-plus-one case of the jobs of a block."""
-    return shards_of_block(config.sampling.cases_per_block, config.simulation.cases_per_job)
-
-
-def fit(studies: list[Study]) -> dict[str, float]:
+def fit(studies: list[Timed]) -> dict[str, float]:
     """Constants that make the times likely as exponential deviates about the guess.
 
     That is the mean of cases alike which the sum of a study takes, and errors count relative to
@@ -88,11 +86,11 @@ def makespan(seconds: np.ndarray, order: np.ndarray, cores: int = 2) -> float:
     return max(ends)
 
 
-def say_how_well(study: Study) -> None:
+def say_how_well(timed: Timed) -> None:
     """Print how the guess compares with the times."""
-    seconds, guess = study.seconds, study.guess
+    config, cases, seconds, guess = timed.study.config, timed.cases, timed.seconds, timed.guess
     print(
-        f"{study.config.study}: {len(seconds)} cases, {seconds.sum():.0f} s, guessed "
+        f"{config.study}: {len(seconds)} cases, {seconds.sum():.0f} s, guessed "
         f"{guess.sum():.0f} s; the longest {seconds.max():.0f} s"
     )
     print(
@@ -100,8 +98,8 @@ def say_how_well(study: Study) -> None:
         f"of logarithms {np.corrcoef(np.log(guess), np.log(seconds))[0, 1]:.2f}, "
         f"of ranks {pd.Series(guess).corr(pd.Series(seconds), method='spearman'):.2f}"
     )
-    jobs, cases = jobs_of_block(study.config), study.cases
-    row = cases["case_id"] - study.config.sampling.cases_per_block * cases["block"]
+    jobs = jobs_of_block(config)
+    row = cases["case_id"] - config.sampling.cases_per_block * cases["block"]
     job = cases["block"] * len(jobs) + np.searchsorted([start for start, _ in jobs], row, "right")
     by_job = pd.DataFrame({"spent": seconds, "guess": guess}).groupby(job.to_numpy()).sum()
     spent, guesses = by_job.to_numpy().T
@@ -118,7 +116,7 @@ def main() -> None:
     """Compare, fit, compare."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("studies", nargs="+", type=Path, help="folders: results/paper")
-    studies = [read_study(folder) for folder in parser.parse_args().studies]
+    studies = [read_times(folder) for folder in parser.parse_args().studies]
     for study in studies:
         say_how_well(study)
     before = {name: getattr(cost, name) for name in CONSTANTS}

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import abradem.dem
+import abradem.dem.warm
 from abradem import shards
 from abradem.dataset import read_table
 from abradem.dem.model import Case, Setup, SimulationResult
@@ -116,7 +116,7 @@ def test_a_rejected_case_is_not_simulated_and_has_no_series(engine, tmp_path):
 
 
 def test_the_time_of_each_case_is_kept_over_an_interruption(engine, tmp_path, monkeypatch):
-    """The third simulation is the one that is interrupted; its 3 s are nobody's."""
+    """The third simulation is interrupted; its 3 s are nobody's, nor is the loading of kernels."""
     now, spent = [0.0], iter([1.0, 2.0, 3.0, 4.0, 5.0])
     simulate = abradem.dem.simulate
 
@@ -124,7 +124,11 @@ def test_the_time_of_each_case_is_kept_over_an_interruption(engine, tmp_path, mo
         now[0] += next(spent)
         return simulate(case, setup)
 
+    def load(stepping):
+        now[0] += 100.0
+
     monkeypatch.setattr(abradem.dem, "simulate", slow)
+    monkeypatch.setattr(abradem.dem.warm, "load", load)
     monkeypatch.setattr(time, "process_time", lambda: now[0])
     engine.fails_at = 3
     with pytest.raises(KeyboardInterrupt):
@@ -234,13 +238,14 @@ def test_a_case_half_written_is_simulated_again(engine, tmp_path):
     assert len(engine.calls) == 4
 
 
-def test_a_damaged_kept_case_is_simulated_again(engine, tmp_path):
+@pytest.mark.parametrize("name", FILES)
+def test_a_damaged_kept_case_is_simulated_again(engine, tmp_path, name):
     engine.fails_at = 3
     with pytest.raises(KeyboardInterrupt):
         run(tmp_path)
-    (maps, *_) = (tmp_path / ".finished" / "shard").glob("*.maps.parquet")
+    (kept, *_) = (tmp_path / ".finished" / "shard").glob(f"*.{name}.parquet")
     # As a machine that lost its power may leave it.
-    maps.write_bytes(b"")
+    kept.write_bytes(b"")
     engine.calls.clear()
     engine.fails_at = None
     tables = run(tmp_path)

@@ -3,7 +3,8 @@
 A shard is a pure function of the block's cases, the set-up and the code, so that a study can
 grow without touching what it has. A fourth table, of what each case cost, is of the machine.
 Each case that is finished is kept at once, under a name made of everything that determines it;
-a shard that was interrupted takes these up again and gives the same bytes as one that was not.
+a shard that was interrupted takes these up again and gives the same bytes as one that was not
+(times excepted).
 """
 
 from __future__ import annotations
@@ -152,8 +153,8 @@ def run_shard(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
         Plain values of the `Setup`.
     outputs : mapping of str to path
         Where each of `FILES` goes: ``times`` holds the processor time of each case, s, however
-        many attempts the shard took. Snakemake's own figure in ``benchmarks/`` is up to 30 s
-        short, as it looks at a job every 30 s.
+        many attempts the shard took. Snakemake's own figure of a job in ``benchmarks/`` is up to
+        30 s short: after its first 15 s it looks at a job every 30 s, and not at its end.
     finished : path
         Folder of this shard alone in which finished cases are kept until all are done.
     code : str
@@ -208,7 +209,11 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     import pandas as pd
 
     from abradem.dataset import read_table, write_table
+    from abradem.dem import warm
+    from abradem.dem.model import Setup
 
+    # Else the first case of a job would take half a second more.
+    warm.load(setup.get("stepping", Setup.stepping))
     start = time.process_time()
     tables = run_case(row, setup)
     spent = time.process_time() - start

@@ -1,12 +1,10 @@
 """The simulations of one shard."""
 
 from abradem.dataset import read_table
-from abradem.dem.warm import load
 from abradem.joblog import log_to
 from abradem.shards import FILES, run_shard
 
 log_to(snakemake.log[0])
-load()
 
 start, stop = snakemake.params.rows
 run_shard(
