@@ -17,7 +17,7 @@ from abradem.config import Config, read_config
 from abradem.dataset import read_table
 from abradem.shards import shards_of_block
 
-STORED = ("series", "maps", "runs", "wear_rates", "cases")
+STORED = ("series", "maps", "runs", "wear_rates")
 
 
 class Study(NamedTuple):
@@ -72,7 +72,8 @@ def main() -> None:
     jobs = pd.concat(pd.read_csv(record, sep="\t") for record in records)
     dearest = max(times["processor_time"].sum() for times in study.times)
     steps = (runs["simulated_time"] / runs["time_step"]).sum()
-    stored = size(path for name in STORED for path in (folder / name).glob("*.parquet"))
+    stored = size(folder / name / f"{job}.parquet" for name in STORED for job in study.jobs)
+    stored += size((folder / "cases").glob("*.parquet"))
     files = [path for path in folder.rglob("*") if path.is_file()]
     print(f"cases: {len(runs)}, simulated: {(runs['status'] == 'ok').sum()}")
     print(f"simulated: {runs['simulated_time'].sum():.0f} s, {steps / 1e9:.2f} billion steps")

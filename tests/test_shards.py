@@ -139,7 +139,9 @@ def test_the_time_of_each_case_is_kept_over_an_interruption(engine, tmp_path, mo
 
 
 def test_a_shard_of_rejected_cases_only_is_written(engine, tmp_path):
+    abradem.dem.warm.load.cache_clear()
     tables = run(tmp_path, table_of_cases(2, rejected=[0, 1]))
+    assert abradem.dem.warm.load.cache_info().currsize == 0, "kernels are loaded for nothing"
     assert len(tables["runs"]) == 2 and len(tables["series"]) == 0
     assert tables["maps"].dtypes["facet_x"] == np.int32
 

@@ -212,8 +212,9 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     from abradem.dem import warm
     from abradem.dem.model import Setup
 
-    # Else the first case of a job would take half a second more.
-    warm.load(setup.get("stepping", Setup.stepping))
+    if not row["rejected"]:
+        # Else the first case of a job would take half a second more.
+        warm.load(setup.get("stepping", Setup.stepping))
     start = time.process_time()
     tables = run_case(row, setup)
     spent = time.process_time() - start
