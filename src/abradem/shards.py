@@ -208,7 +208,7 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     """Simulate a case and keep its tables."""
     import pandas as pd
 
-    from abradem.dataset import read_table, write_table
+    from abradem.dataset import write_table
     from abradem.dem import warm
     from abradem.dem.model import Setup
 
@@ -221,7 +221,7 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     tables["times"] = pd.DataFrame({"case_id": [int(row["case_id"])], "processor_time": [spent]})
     for name in FILES:
         write_table(tables[name], paths[name])
-    return {name: read_table(paths[name]) for name in FILES}
+    return tables
 
 
 def _kept(paths: Mapping) -> dict | None:

@@ -9,7 +9,7 @@ from naive import Spheres, pairs_within
 
 from abradem import simulate
 from abradem.dem import synchronous
-from abradem.dem.model import Interaction
+from abradem.dem.model import Interaction, Setup
 from abradem.dem.neighbours import rebuild_pairs
 from abradem.dem.state import DONE, FLYING, SKIN, make_problem, make_state
 from abradem.verification import closed_forms as exact
@@ -167,6 +167,48 @@ def test_the_pair_list_holds_the_pairs_of_all_with_all():
         found = {(int(p["i"]), int(p["j"])) for p in listed}
         assert len(found) == listed.size
         assert found == pairs_within(kept, (2.0 + SKIN) * scene.radius)
+
+
+@pytest.mark.parametrize("far", [1e3, 1e300, math.inf, math.nan])
+def test_a_stone_far_away_or_nowhere_hides_no_pair(far):
+    rng = np.random.default_rng(3)
+    scene = Scene()
+    problem, _ = make_problem(scene.case(), scene.plane())
+    positions = rng.uniform(-0.04, 0.04, (40, 3))
+    positions[7] = far, 0.0, -far
+    state = make_state(problem, 40)
+    for axis, name in enumerate("xyz"):
+        state.particles[name] = positions[:, axis]
+    state.particles["motion"] = FLYING
+    state.tally["live"] = 40
+    assert rebuild_pairs(problem, state)
+    listed = state.pairs[: int(state.tally["pairs"][0])]
+    found = {(int(p["i"]), int(p["j"])) for p in listed}
+    with np.errstate(invalid="ignore", over="ignore"):
+        assert found == pairs_within(positions, (2.0 + SKIN) * scene.radius)
+    assert len(found) > 40
+
+
+def test_an_old_pair_list_misses_no_contact():
+    """A list made anew in every step gives the same bits as one that waits for the drift."""
+    scene = Scene(interaction=Interaction(0.5, 0.45, 0.05))
+    case = scene.case(plate_angle=4.0, particle_velocity_y=-5.0)
+    setup = Setup(number_rate=4000.0, mass_rate=None, fall_height=0.1)
+    problem, schedule = make_problem(case, setup)
+    states = [make_state(problem, 1024) for _ in range(2)]
+    made = 0
+    for step in range(1, 10_000):
+        before = float(states[0].tally["drift"][0])
+        assert synchronous.advance(problem, schedule, states[0], step) == DONE
+        made += float(states[0].tally["drift"][0]) < before
+        states[1].tally["drift"] = math.inf
+        assert synchronous.advance(problem, schedule, states[1], step) == DONE
+    assert 10 < made < 1000
+    for name in ("particles", "facet_wear"):
+        np.testing.assert_array_equal(getattr(states[0], name), getattr(states[1], name))
+    assert states[0].tally["worn_total"] > 0.0
+    open_pairs = [s.pairs[: int(s.tally["pairs"][0])] for s in states]
+    assert np.count_nonzero(open_pairs[0]["stiffness"]) > 0
 
 
 @pytest.mark.parametrize("seed", range(6))

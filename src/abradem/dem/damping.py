@@ -69,8 +69,8 @@ def clipped_rebound(beta):
     """Return the rebound of the scaled impact, ended where the force would attract (RK4)."""
     h = _STEP
     d, v = 0.0, 1.0
+    a1 = _acceleration(d, v, beta)
     while True:
-        a1 = _acceleration(d, v, beta)
         a2 = _acceleration(d + 0.5 * h * v, v + 0.5 * h * a1, beta)
         v3 = v + 0.5 * h * a2
         a3 = _acceleration(d + 0.5 * h * (v + 0.5 * h * a1), v3, beta)
@@ -82,4 +82,4 @@ def clipped_rebound(beta):
         if v_next < 0.0 and (a_next >= 0.0 or d_next <= 0.0):
             # The velocity peaks where the force vanishes, so its slope there is zero.
             return -v_next
-        d, v = d_next, v_next
+        d, v, a1 = d_next, v_next, a_next

@@ -64,6 +64,7 @@ def _place(problem, state, place, velocity, spin):
     particle.vx, particle.vy, particle.vz = velocity
     particle.wx, particle.wy, particle.wz = spin
     particle.plate_stiffness = 0.0
+    particle.plate_sx = particle.plate_sy = particle.plate_sz = 0.0
     particle.plate_fn = 0.0
     particle.plate_tx = particle.plate_ty = particle.plate_tz = 0.0
     particle.plate_energy = 0.0

@@ -52,7 +52,6 @@ from abradem.dem.state import (
     FLYING,
     GONE,
     OVERLAP_STOP,
-    SKIN,
     STOP_CROWDED,
     STOP_OVERLAP,
     TOUCHING,
@@ -109,7 +108,7 @@ def advance(problem, schedule, state, agenda, last_step):
         if clock.awake > NAP + CROWDED * tally.live and tally.live > SMALLEST_CROWD:
             _publish(problem, state, agenda)
             # Makes the pair list of `synchronous` anew in its first step.
-            tally.drift = SKIN * problem.radius
+            tally.drift = np.inf
             clock.crowded = 1
     if clock.crowded == 0:
         _publish(problem, state, agenda)
@@ -131,7 +130,8 @@ def _step(problem, state, agenda):
     farthest2 = 0.0
     for k in range(clock.awake):
         particle = particles[awake[k]]
-        farthest2 = max(farthest2, move(problem, particle, tally.step))
+        dx, dy, dz = move(problem, particle, tally.step)
+        farthest2 = max(farthest2, dx * dx + dy * dy + dz * dz)
         height = height_over(problem.plate, particle.x, particle.y)
         if abs(height) < problem.radius or particle.plate_stiffness != 0.0:
             touch_plate(problem, particle, tally, facet_wear)
@@ -188,7 +188,7 @@ def _step(problem, state, agenda):
                 agenda.asleep[i] = True
                 kept -= 1
     clock.awake = kept
-    if tally.largest_overlap > OVERLAP_STOP:
+    if tally.largest_overlap / problem.radius > OVERLAP_STOP:
         return STOP_OVERLAP
     # A flight faster than the limit, found just above, may be met from the next step on.
     if clock.limit < 0.0 and not raise_limit(problem, state, agenda, -clock.limit, now):

@@ -39,7 +39,7 @@ def fly_to(problem, particle, step):
 
 @kernel(inline=True)
 def move(problem, particle, step):
-    """Move a particle from ``step`` to the next; return the square of the distance.
+    """Move a particle from ``step`` to the next; return by how much, (dx, dy, dz).
 
     The spins of the step are known since `finish`.
     """
@@ -59,7 +59,7 @@ def move(problem, particle, step):
         particle.y += particle.half_vy * dt
         particle.z += particle.half_vz * dt
         _clear_load(problem, particle)
-    return (particle.x - x) ** 2 + (particle.y - y) ** 2 + (particle.z - z) ** 2
+    return particle.x - x, particle.y - y, particle.z - z
 
 
 @kernel(inline=True)
@@ -216,7 +216,7 @@ def touch_plate(problem, particle, tally, facet_wear):
         )
         _load(particle, fn, n, ft, radius)
         particle.rolling += law.rolling_friction * max(fn, 0.0) * radius
-        tally.largest_overlap = max(tally.largest_overlap, overlap / radius)
+        tally.largest_overlap = max(tally.largest_overlap, overlap)
         if particle.first_contact == NOT_YET:
             particle.first_contact = ON_FACE if on_face else ON_EDGE
             tally.face += 1 if on_face else 0
@@ -296,7 +296,7 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
     pair.sx, pair.sy, pair.sz = spring
     pair.fn = fn
     pair.tx, pair.ty, pair.tz = ft
-    tally.largest_overlap = max(tally.largest_overlap, overlap / problem.radius)
+    tally.largest_overlap = max(tally.largest_overlap, overlap)
 
 
 @kernel(inline=True)

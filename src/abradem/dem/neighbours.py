@@ -1,7 +1,8 @@
-"""Pair list from a hashed grid of cells: work and memory grow linearly with the particles.
+"""Pair list from a grid of cells: work and memory grow linearly with the particles.
 
-Cells are 2 R plus the skin wide. Their integer coordinates are hashed into a table and the
-particles sorted by it (counting sort); cells that share a slot are told apart by coordinates.
+The grid is a box around all particles, its cells 2 R plus the skin wide, and wider where the box
+would have too many of them. Particles are sorted by cell (counting sort), with their places, so
+that the neighbours of a particle lie in nine runs of memory.
 """
 
 from __future__ import annotations
@@ -11,17 +12,53 @@ import numpy as np
 from abradem.dem.cache import kernel
 from abradem.dem.state import GONE, SKIN
 
-
-@kernel(inline=True)
-def cell_slot(cx, cy, cz, mask):
-    """Slot of a cell in a table of ``mask + 1`` slots, a power of two."""
-    return ((cx * 73856093) ^ (cy * 19349663) ^ (cz * 83492791)) & mask
+CELLS_PER_PARTICLE = 8
+"""Most cells of the grid, for each particle."""
 
 
 @kernel(inline=True)
 def _distance2(a, b):
     dx, dy, dz = a.x - b.x, a.y - b.y, a.z - b.z
     return dx * dx + dy * dy + dz * dz
+
+
+@kernel(inline=True)
+def _cells(extent, width):
+    """Number of cells along an axis; one if a position is not a finite number."""
+    number = extent / width
+    return np.int64(number) + 1 if 0.0 <= number < 2.0**62 else np.int64(1)
+
+
+@kernel
+def _make_grid(tally, particles, reach):
+    """Corner, cell widths and numbers of cells of a box that holds all particles.
+
+    Cells are at least ``reach`` wide, and wider along the longest way where there would be too
+    many of them.
+    """
+    low_x = low_y = low_z = np.inf
+    high_x = high_y = high_z = -np.inf
+    for i in range(tally.live):
+        particle = particles[i]
+        if particle.motion != GONE:
+            low_x, high_x = min(low_x, particle.x), max(high_x, particle.x)
+            low_y, high_y = min(low_y, particle.y), max(high_y, particle.y)
+            low_z, high_z = min(low_z, particle.z), max(high_z, particle.z)
+    wide_x = wide_y = wide_z = reach
+    nx = ny = nz = 1
+    while True:
+        nx = _cells(high_x - low_x, wide_x)
+        ny = _cells(high_y - low_y, wide_y)
+        nz = _cells(high_z - low_z, wide_z)
+        if np.float64(nx) * ny * nz <= CELLS_PER_PARTICLE * tally.live + 64:
+            break
+        if nx >= ny and nx >= nz:
+            wide_x *= 2.0
+        elif ny >= nz:
+            wide_y *= 2.0
+        else:
+            wide_z *= 2.0
+    return (low_x, low_y, low_z), (wide_x, wide_y, wide_z), (nx, ny, nz)
 
 
 @kernel
@@ -50,56 +87,65 @@ def rebuild_pairs(problem, state):
             head[pairs[p].i] = c
             c += 1
 
-    size = 16
-    while size < 2 * live:
-        size *= 2
-    cell = np.empty((live, 3), np.int64)
-    slot = np.empty(live, np.int64)
-    first = np.zeros(size + 1, np.int64)
+    low, width, cells = _make_grid(tally, particles, reach)
+    nx, ny, nz = cells
+    first = np.zeros(nx * ny * nz + 1, np.int64)
+    cell = np.empty(live, np.int64)
     for i in range(live):
-        if particles[i].motion == GONE:
-            slot[i] = -1
+        particle = particles[i]
+        if particle.motion == GONE:
             continue
-        cell[i, 0] = np.int64(np.floor(particles[i].x / reach))
-        cell[i, 1] = np.int64(np.floor(particles[i].y / reach))
-        cell[i, 2] = np.int64(np.floor(particles[i].z / reach))
-        slot[i] = cell_slot(cell[i, 0], cell[i, 1], cell[i, 2], size - 1)
-        first[slot[i] + 1] += 1
-    for s in range(size):
-        first[s + 1] += first[s]
-    fill = first[:-1].copy()
-    members = np.empty(first[size], np.int64)
-    for i in range(live):
-        if slot[i] >= 0:
-            members[fill[slot[i]]] = i
-            fill[slot[i]] += 1
+        # What is no number has a cell too, and is left for the guard to find.
+        cx = min(max(np.int64((particle.x - low[0]) / width[0]), 0), nx - 1)
+        cy = min(max(np.int64((particle.y - low[1]) / width[1]), 0), ny - 1)
+        cz = min(max(np.int64((particle.z - low[2]) / width[2]), 0), nz - 1)
+        cell[i] = (cx * ny + cy) * nz + cz
+        first[cell[i]] += 1
+    for c in range(nx * ny * nz):
+        first[c + 1] += first[c]
+    # From the end of each cell backwards, after which `first` holds where each begins.
+    member = np.empty(live, np.int64)
+    place = np.empty((live, 3))
+    for i in range(live - 1, -1, -1):
+        particle = particles[i]
+        if particle.motion == GONE:
+            continue
+        first[cell[i]] -= 1
+        at = first[cell[i]]
+        member[at] = i
+        place[at, 0], place[at, 1], place[at, 2] = particle.x, particle.y, particle.z
 
     found = 0
     for i in range(live):
-        if particles[i].motion == GONE:
+        particle = particles[i]
+        if particle.motion == GONE:
             continue
         start = found
-        for offset in range(27):
-            cx = cell[i, 0] + offset // 9 - 1
-            cy = cell[i, 1] + offset // 3 % 3 - 1
-            cz = cell[i, 2] + offset % 3 - 1
-            s = cell_slot(cx, cy, cz, size - 1)
-            for m in range(first[s], first[s + 1]):
-                j = members[m]
-                if j <= i or cell[j, 0] != cx or cell[j, 1] != cy or cell[j, 2] != cz:
-                    continue
-                if _distance2(particles[i], particles[j]) >= reach * reach:
-                    continue
-                if found == pairs.size:
-                    return False
-                # In ascending order of the partner: forces are then summed in one order,
-                # whatever the grid, and every stepping gives the same bits.
-                at = found
-                while at > start and pairs[at - 1].j > j:
-                    pairs[at].j = pairs[at - 1].j
-                    at -= 1
-                pairs[at].j = j
-                found += 1
+        x, y, z = particle.x, particle.y, particle.z
+        cz = cell[i] % nz
+        cy = cell[i] // nz % ny
+        cx = cell[i] // nz // ny
+        for bx in range(max(cx - 1, 0), min(cx + 2, nx)):
+            for by in range(max(cy - 1, 0), min(cy + 2, ny)):
+                # Cells that follow each other along z lie one after the other.
+                row = (bx * ny + by) * nz
+                for m in range(first[row + max(cz - 1, 0)], first[row + min(cz + 2, nz)]):
+                    j = member[m]
+                    if j <= i:
+                        continue
+                    dx, dy, dz = x - place[m, 0], y - place[m, 1], z - place[m, 2]
+                    if not dx * dx + dy * dy + dz * dz < reach * reach:
+                        continue
+                    if found == pairs.size:
+                        return False
+                    # In ascending order of the partner: forces are then summed in one order,
+                    # whatever the grid, and every stepping gives the same bits.
+                    at = found
+                    while at > start and pairs[at - 1].j > j:
+                        pairs[at].j = pairs[at - 1].j
+                        at -= 1
+                    pairs[at].j = j
+                    found += 1
         for p in range(start, found):
             pairs[p].i = i
             pairs[p].stiffness = 0.0

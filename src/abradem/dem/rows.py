@@ -9,7 +9,6 @@ import numpy as np
 from abradem.dem.agenda import NEVER, SLOTS
 from abradem.dem.bounds import SAFETY, centre_distance2, distances, steps_to_close
 from abradem.dem.cache import kernel
-from abradem.dem.neighbours import cell_slot
 from abradem.dem.state import GONE
 
 REACH = 1.0
@@ -53,6 +52,12 @@ def _partners_of_all(problem, state, agenda, i, now, reach2):
     return size
 
 
+@kernel(inline=True)
+def _cell_slot(cx, cy, cz, mask):
+    """Slot of a cell in a table of ``mask + 1`` slots, a power of two."""
+    return ((cx * 73856093) ^ (cy * 19349663) ^ (cz * 83492791)) & mask
+
+
 @kernel
 def _partners_of_grid(problem, state, agenda, i, now, reach):
     """Make the row of i by looking into the cells around it; return its size."""
@@ -73,7 +78,7 @@ def _partners_of_grid(problem, state, agenda, i, now, reach):
     for cx in range(low_x, high_x + 1):
         for cy in range(low_y, high_y + 1):
             for cz in range(low_z, high_z + 1):
-                slot = cell_slot(cx, cy, cz, mask)
+                slot = _cell_slot(cx, cy, cz, mask)
                 for m in range(agenda.grid_first[slot], agenda.grid_first[slot + 1]):
                     j = agenda.grid_member[m]
                     if cell[j, 0] != cx or cell[j, 1] != cy or cell[j, 2] != cz or j == i:
@@ -122,12 +127,12 @@ def _make_grid(problem, state, agenda, now, width):
         cell[j, 0] = np.int64(math.floor(x / width))
         cell[j, 1] = np.int64(math.floor(y / width))
         cell[j, 2] = np.int64(math.floor(z / width))
-        first[cell_slot(cell[j, 0], cell[j, 1], cell[j, 2], size - 1)] += 1
+        first[_cell_slot(cell[j, 0], cell[j, 1], cell[j, 2], size - 1)] += 1
     for slot in range(size):
         first[slot + 1] += first[slot]
     # From the end of each slot backwards, after which `first` holds where each begins.
     for j in range(live - 1, -1, -1):
-        slot = cell_slot(cell[j, 0], cell[j, 1], cell[j, 2], size - 1)
+        slot = _cell_slot(cell[j, 0], cell[j, 1], cell[j, 2], size - 1)
         first[slot] -= 1
         agenda.grid_member[first[slot]] = j
     clock.grid_step = now

@@ -6,30 +6,26 @@ import math
 
 import numpy as np
 
-from abradem.dem import islands, synchronous
+from abradem.dem import sampling
 from abradem.dem.agenda import grown_agenda, make_agenda
 from abradem.dem.contact import hertz_duration
 from abradem.dem.energy import energy_book
 from abradem.dem.model import Case, Setup, SimulationResult
+from abradem.dem.sampling import Record, make_record
 from abradem.dem.state import (
     DONE,
     NEEDS_ROOM,
-    STOP_NOT_FINITE,
+    STOP_ENERGY_GAIN,
     STOP_REASONS,
     Problem,
     Schedule,
-    State,
     grown,
     make_problem,
     make_state,
 )
 from abradem.dem.steady import batch_means, steady_start
-from abradem.parameters import READINGS
 
 FIRST_CAPACITY = 64
-ENERGY_TOLERANCE = 0.02
-"""Energy gained between two samples that ends a case, as a share of the energy put in."""
-
 CHECK_GROWTH = 1.1
 """The stop rule is looked at when the simulated time has grown by this factor: often enough to
 stop early, seldom enough not to stop on a lucky fluctuation."""
@@ -82,51 +78,58 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     sample_steps = max(1, round(setup.sample_interval / problem.dt))
     interval = sample_steps * problem.dt
     map_samples = max(1, round(setup.window / MAPS_PER_WINDOW / interval))
-    window_maps = max(1, round(setup.window / (map_samples * interval)))
+    map_interval = map_samples * interval
+    window_maps = max(1, round(setup.window / map_interval))
     samples = max(1, round(_longest(setup) / interval))
     record_steps = max(1, round(recorder.interval / problem.dt)) if recorder else None
-    state = engine.state
     if recorder:
-        recorder.record(0.0, problem, state)
+        recorder.record(0.0, problem, engine.state)
 
-    time, worn, placed = [0.0], [np.zeros(3)], [0]
-    maps = [state.facet_wear.copy()]
-    book = energy_book(problem, state)
+    time = np.arange(samples + 1) * interval
+    record = make_record(samples)
+    maps = [engine.state.facet_wear.copy()]
     status = "ok"
     next_check = setup.window
-    settled = None
-    for sample in range(1, samples + 1):
-        outcome = engine.advance(sample * sample_steps, record_steps, recorder)
-        state = engine.state
+    sample, outcome = 0, DONE
+    while sample < samples:
+        # On to what is due next: a map, a look at the stop rule, somebody who looks on.
+        last = min(samples, (sample // map_samples + 1) * map_samples)
+        if setup.duration is None:
+            last = min(last, max(sample + 1, int(np.searchsorted(time, next_check))))
+        if recorder or progress is not None:
+            last = sample + 1
+        if recorder:
+            outcome = engine.advance(last * sample_steps, record_steps, recorder)
         if outcome == DONE:
-            outcome, book = _guard(problem, state, book)
+            sample, outcome = engine.take_samples(sample_steps, sample, last, record)
         if outcome != DONE:
-            status = STOP_REASONS.get(outcome, outcome)
+            status = _status(outcome, record)
             break
-        time.append(sample * interval)
-        worn.append(_worn(state))
-        placed.append(int(state.tally["placed"][0]))
         if sample % map_samples == 0:
-            maps.append(state.facet_wear.copy())
+            maps.append(engine.state.facet_wear.copy())
         if progress is not None:
-            progress(time[-1])
-        if setup.duration is None and time[-1] >= next_check:
-            next_check = time[-1] * CHECK_GROWTH
-            settled = _steady(time, worn, map_samples * interval)
+            progress(float(time[sample]))
+        if setup.duration is None and time[sample] >= next_check:
+            next_check = time[sample] * CHECK_GROWTH
+            settled = _Steady(time[: sample + 1], record.worn[: sample + 1], map_interval)
             if (
                 settled.settled
                 and settled.first_map + window_maps < len(maps)
                 and settled.relative_stderr <= setup.target_stderr
             ):
                 break
+    past = slice(sample + 1)
     return _result(
-        case, setup, problem, state, status, time, worn, placed, maps, window_maps,
-        map_samples * interval,
+        case, setup, problem, engine.state, status, time[past], record.worn[past],
+        record.placed[past], maps, window_maps, map_interval,
     )  # fmt: skip
 
 
-def _worn(state: State) -> np.ndarray:
-    return np.array([state.tally[f"worn_{reading}"][0] for reading in READINGS])
+def _status(outcome: int | str, record: Record) -> str:
+    """How a case ended, in words."""
+    if outcome == STOP_ENERGY_GAIN:
+        return f"energy gain of {100 * record.energy[1]:.1f} % of the energy put in"
+    return STOP_REASONS.get(outcome, outcome)
 
 
 class _Engine:
@@ -138,19 +141,18 @@ class _Engine:
         # Only the stepping by islands keeps an agenda.
         self.agenda = make_agenda(problem, FIRST_CAPACITY) if stepping == "islands" else None
 
-    def advance(self, last_step: int, record_steps, recorder) -> int | str:
+    def advance(self, last_step: int, record_steps=None, recorder=None) -> int | str:
         """Step on to ``last_step``, recording on the way; return how that ended."""
         while True:
             target = last_step
             if record_steps:
                 step = int(self.state.tally["step"][0])
                 target = min(target, (step // record_steps + 1) * record_steps)
-            outcome = self._kernel(target)
+            outcome = sampling.advance(self.problem, self.schedule, self.state, self.agenda, target)
             if outcome == NEEDS_ROOM:
-                if self.state.particles.size >= MOST_PARTICLES:
-                    return f"more than {MOST_PARTICLES} particles at once"
-                self._grow()
-                continue
+                outcome = self._make_room()
+                if outcome == DONE:
+                    continue
             if outcome != DONE:
                 return outcome
             if record_steps and target % record_steps == 0:
@@ -158,16 +160,30 @@ class _Engine:
             if target == last_step:
                 return DONE
 
-    def _kernel(self, target: int) -> int:
-        if self.agenda is None:
-            return synchronous.advance(self.problem, self.schedule, self.state, target)
-        return islands.advance(self.problem, self.schedule, self.state, self.agenda, target)
+    def take_samples(
+        self, sample_steps: int, sample: int, last: int, record: Record
+    ) -> tuple[int, int | str]:
+        """Go on from a sample to a later one; return the last one reached and how that ended."""
+        while True:
+            sample, outcome = sampling.take_samples(
+                self.problem, self.schedule, self.state, self.agenda, sample_steps, sample, last,
+                record,
+            )  # fmt: skip
+            if outcome == NEEDS_ROOM:
+                outcome = self._make_room()
+                if outcome == DONE:
+                    continue
+            return sample, outcome
 
-    def _grow(self) -> None:
+    def _make_room(self) -> int | str:
+        """Make room for twice as many particles; return what stands against it, or `DONE`."""
         capacity = 2 * self.state.particles.size
+        if capacity > MOST_PARTICLES:
+            return f"more than {MOST_PARTICLES} particles at once"
         self.state = grown(self.state, capacity)
         if self.agenda is not None:
             self.agenda = grown_agenda(self.agenda, self.problem, capacity)
+        return DONE
 
 
 def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
@@ -232,24 +248,11 @@ def _room(problem: Problem, setup: Setup) -> float:
     return math.prod(sides) / (4.0 / 3.0 * math.pi * problem.radius**3)
 
 
-def _guard(problem: Problem, state: State, before: dict):
-    """Check that positions are numbers and that no energy was gained since the last sample."""
-    book = energy_book(problem, state)
-    if not (math.isfinite(book["resident"]) and math.isfinite(book["removed"])):
-        return STOP_NOT_FINITE, book
-    if not np.isfinite(_worn(state)).all():
-        return "the wear is not a finite number", book
-    gained = before["dissipated"] - book["dissipated"]
-    if gained > ENERGY_TOLERANCE * max(book["inserted"], 0.0) and gained > 0.0:
-        share = gained / book["inserted"]
-        return f"energy gain of {100 * share:.1f} % of the energy put in", book
-    return DONE, book
-
-
 class _Steady:
     """The steady part of a record: where it begins and how well the rate is known."""
 
-    def __init__(self, time, total, map_interval):
+    def __init__(self, time, worn, map_interval):
+        total = worn[:, 0]
         start = steady_start(time, total)
         self.settled = start.settled
         self.first_map = math.ceil(start.time / map_interval - 1e-9)
@@ -259,14 +262,10 @@ class _Steady:
         self.relative_stderr = rate.stderr / rate.rate if known else math.inf
 
 
-def _steady(time, worn, map_interval) -> _Steady:
-    return _Steady(np.array(time), np.array(worn)[:, 0], map_interval)
-
-
 def _result(
     case, setup, problem, state, status, time, worn, placed, maps, window_maps, map_interval
 ) -> SimulationResult:
-    steady = _steady(time, worn, map_interval)
+    steady = _Steady(time, worn, map_interval)
     complete = steady.first_map + window_maps < len(maps)
     if complete:
         last = steady.first_map + window_maps
@@ -277,8 +276,8 @@ def _result(
         window = (math.nan, math.nan)
     tally = state.tally[0]
     ended = int(tally["face"] + tally["edge"] + tally["missed"])
-    simulated = time[-1]
-    delivered = np.array(placed) * problem.mass
+    simulated = float(time[-1])
+    delivered = placed * problem.mass
 
     def share(number):
         return float(number) / ended if ended else math.nan
@@ -287,8 +286,8 @@ def _result(
         case=case,
         setup=setup,
         status=status,
-        time=np.array(time),
-        worn=np.array(worn),
+        time=time,
+        worn=worn,
         delivered_mass=delivered,
         facet_wear=facet_wear,
         facet_wear_all=state.facet_wear.copy(),
@@ -303,7 +302,7 @@ def _result(
         face_share=share(tally["face"]),
         edge_share=share(tally["edge"]),
         missed_share=share(tally["missed"]),
-        max_overlap=float(tally["largest_overlap"]),
+        max_overlap=float(tally["largest_overlap"] / problem.radius),
         released=int(tally["placed"]),
         removed=int(tally["removed"]),
         energy=energy_book(problem, state),

@@ -17,7 +17,7 @@ from abradem.dem.contact import Law, make_law
 from abradem.dem.model import Case, Material, Setup
 from abradem.dem.plate import Plate, make_plate
 
-SKIN = 0.5
+SKIN = 0.3
 """Reach of the pair list beyond contact, in radii."""
 
 PAIRS_PER_PARTICLE = 8
@@ -36,12 +36,14 @@ GONE, FLYING, WAKING, TOUCHING = 0, 1, 2, 3
 NOT_YET, ON_FACE, ON_EDGE = 0, 1, 2
 
 # Ways in which `advance` returns.
-DONE, NEEDS_ROOM, STOP_OVERLAP, STOP_RELEASE, STOP_CROWDED, STOP_NOT_FINITE = 0, 1, 2, 3, 4, 5
+DONE, NEEDS_ROOM, STOP_OVERLAP, STOP_RELEASE, STOP_CROWDED = 0, 1, 2, 3, 4
+STOP_NOT_FINITE, STOP_WEAR_NOT_FINITE, STOP_ENERGY_GAIN = 5, 6, 7
 STOP_REASONS = {
     STOP_OVERLAP: "overlap above 20 % of the radius",
     STOP_RELEASE: "release into an overlap",
     STOP_CROWDED: "more neighbours than equal spheres can have",
     STOP_NOT_FINITE: "a position is not a finite number",
+    STOP_WEAR_NOT_FINITE: "the wear is not a finite number",
 }
 
 
@@ -111,9 +113,9 @@ PAIR = np.dtype(_fields("i j", np.int64) + _fields("stiffness sx sy sz fn tx ty 
 TALLY = np.dtype(
     _fields("step live gone pairs placed draws next_release", np.int64)
     + _fields("face edge missed removed", np.int64)
-    # Distance that anything can have moved since the pair list was made, m.
+    # Distance by which any two can have come nearer since the pair list was made, m.
     + _fields("drift")
-    # Share of the radius.
+    # m
     + _fields("largest_overlap")
     + _fields("energy_in energy_out")
     # Wear of the whole plate for W = 1, J.

@@ -1,0 +1,95 @@
+"""Many samples in one call: what a case is asked for between two looks at its stop rule.
+
+A call of a kernel from Python costs more than the steps of a thin jet between two samples.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from abradem.dem import islands, synchronous
+from abradem.dem.cache import kernel
+from abradem.dem.energy import resident_energy
+from abradem.dem.state import DONE, STOP_ENERGY_GAIN, STOP_NOT_FINITE, STOP_WEAR_NOT_FINITE
+from abradem.parameters import READINGS
+
+ENERGY_TOLERANCE = 0.02
+"""Energy gained between two samples that ends a case, as a share of the energy put in."""
+
+
+class Record(NamedTuple):
+    """What is noted at each sample.
+
+    Attributes
+    ----------
+    worn : ndarray, shape (samples, 3)
+        Wear of the plate by reading, W = 1, J.
+    placed : ndarray of int, shape (samples,)
+        Particles released.
+    energy : ndarray, shape (2,)
+        Of the latest sample: energy dissipated until then, J, and energy gained since the sample
+        before, as a share of the energy put in, if it ended the case.
+    """
+
+    worn: np.ndarray
+    placed: np.ndarray
+    energy: np.ndarray
+
+
+def make_record(samples: int) -> Record:
+    """Return an empty record with room for ``samples`` after the beginning."""
+    return Record(
+        np.zeros((samples + 1, len(READINGS))), np.zeros(samples + 1, np.int64), np.zeros(2)
+    )
+
+
+@kernel
+def advance(problem, schedule, state, agenda, last_step):
+    """Advance to lattice step ``last_step``, without an agenda by conventional stepping."""
+    if agenda is None:
+        return synchronous.advance(problem, schedule, state, last_step)
+    return islands.advance(problem, schedule, state, agenda, last_step)
+
+
+@kernel
+def take_samples(problem, schedule, state, agenda, sample_steps, sample, last, record):
+    """Go on from ``sample`` to ``last``; return the last one reached and how that ended.
+
+    Samples are ``sample_steps`` lattice steps apart. Calling it in pieces gives the same bits as
+    calling it once.
+    """
+    tally = state.tally[0]
+    while sample < last:
+        outcome = advance(problem, schedule, state, agenda, (sample + 1) * sample_steps)
+        if outcome == DONE:
+            outcome = _guard(problem, state, record.energy)
+        if outcome != DONE:
+            return sample, outcome
+        sample += 1
+        record.worn[sample, 0] = tally.worn_total
+        record.worn[sample, 1] = tally.worn_sliding
+        record.worn[sample, 2] = tally.worn_friction
+        record.placed[sample] = tally.placed
+    return sample, DONE
+
+
+@kernel
+def _guard(problem, state, energy):
+    """Check that positions are numbers and that no energy was gained since the last sample."""
+    tally = state.tally[0]
+    resident = resident_energy(problem, state)
+    if not (math.isfinite(resident) and math.isfinite(tally.energy_out)):
+        return STOP_NOT_FINITE
+    worn = (tally.worn_total, tally.worn_sliding, tally.worn_friction)
+    if not (math.isfinite(worn[0]) and math.isfinite(worn[1]) and math.isfinite(worn[2])):
+        return STOP_WEAR_NOT_FINITE
+    dissipated = tally.energy_in - tally.energy_out - resident
+    gained = energy[0] - dissipated
+    energy[0] = dissipated
+    if gained > ENERGY_TOLERANCE * max(tally.energy_in, 0.0) and gained > 0.0:
+        energy[1] = gained / tally.energy_in
+        return STOP_ENERGY_GAIN
+    return DONE
