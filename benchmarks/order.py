@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from scipy.optimize import minimize
-from study import Study, jobs_of_block, read_study
+from study import Study, read_study
 
 from abradem import cost
 from abradem.config import setup_dict
@@ -98,7 +98,7 @@ def say_how_well(timed: Timed) -> None:
         f"of logarithms {np.corrcoef(np.log(guess), np.log(seconds))[0, 1]:.2f}, "
         f"of ranks {pd.Series(guess).corr(pd.Series(seconds), method='spearman'):.2f}"
     )
-    jobs = jobs_of_block(config)
+    jobs = config.shards
     row = cases["case_id"] - config.sampling.cases_per_block * cases["block"]
     job = cases["block"] * len(jobs) + np.searchsorted([start for start, _ in jobs], row, "right")
     by_job = pd.DataFrame({"spent": seconds, "guess": guess}).groupby(job.to_numpy()).sum()

@@ -15,7 +15,6 @@ import pandas as pd
 
 from abradem.config import Config, read_config
 from abradem.dataset import read_table
-from abradem.shards import shards_of_block
 
 STORED = ("series", "maps", "runs", "wear_rates")
 
@@ -37,7 +36,7 @@ def read_study(folder: Path) -> Study:
     jobs = [
         f"block-{block:03d}-shard-{shard:03d}"
         for block in range(config.sampling.blocks)
-        for shard in range(len(jobs_of_block(config)))
+        for shard in range(len(config.shards))
     ]
     tables = []
     for part in ("runs", "benchmarks/cases"):
@@ -47,11 +46,6 @@ def read_study(folder: Path) -> Study:
             raise SystemExit(f"{missing[0]} is missing, with {len(missing) - 1} others: unfinished")
         tables.append([read_table(path) for path in paths])
     return Study(config, jobs, *tables)
-
-
-def jobs_of_block(config: Config) -> list[tuple[int, int]]:
-    """First and last-plus-one case of the jobs of a block."""
-    return shards_of_block(config.sampling.cases_per_block, config.simulation.cases_per_job)
 
 
 def size(paths) -> int:

@@ -285,12 +285,15 @@ def test_a_position_that_is_no_number_ends_the_case_with_its_reason():
 def test_many_samples_in_one_call_are_those_taken_one_by_one(stepping):
     """Also where the stop rule ends the case, or a guard."""
     setup = JET.setup(window=1.0, max_time=6.0, target_stderr=0.1, sample_interval=0.07)
+    jelly = Scene(particle=solid(2e5, 0.25, 2500.0), radius=0.02)
     cases = [
         (replace(CASE, plate_angle=50.0, particle_radius=0.02), setup),
         (CASE, replace(SHORT, duration=0.5, sample_interval=0.03)),
-        (Scene(particle=solid(2e5, 0.25, 2500.0), radius=0.02).case(particle_velocity_y=-5.0, plate_angle=10.0),
-         replace(SHORT, time_step_fraction=0.02, sample_interval=0.01)),
-    ]  # fmt: skip
+        (
+            jelly.case(particle_velocity_y=-5.0, plate_angle=10.0),
+            replace(SHORT, time_step_fraction=0.02, sample_interval=0.01),
+        ),
+    ]
     for case, each in cases:
         times = []
         each = replace(each, stepping=stepping)

@@ -19,7 +19,6 @@ from abradem.locks import Lock
 from abradem.progress import Monitor, Shard
 from abradem.provenance import STEPS, code_hash, step_hash, versions
 from abradem.runtimes import run_times
-from abradem.shards import shards_of_block
 
 
 def file_of_workflow(path):
@@ -58,9 +57,7 @@ SIMULATED = CONFIG.dataset.external is None
 CODE = {step: step_hash(step, Path(HOME, "workflow/scripts")) for step in STEPS}
 
 BLOCKS = range(CONFIG.sampling.blocks)
-SHARDS = shards_of_block(
-    CONFIG.sampling.cases_per_block, CONFIG.simulation.cases_per_job
-)
+SHARDS = CONFIG.shards
 
 
 def shard_paths(pattern):

@@ -46,7 +46,7 @@ rule figure_flow:
         study={
             "cases": CONFIG.cases,
             "blocks": CONFIG.sampling.blocks,
-            "jobs": CONFIG.sampling.blocks * len(SHARDS),
+            "jobs": CONFIG.jobs,
             "method": CONFIG.sampling.method,
             "seed": CONFIG.seed,
             "external": CONFIG.dataset.external,

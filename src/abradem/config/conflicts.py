@@ -118,8 +118,6 @@ def _is_below(path: str, folder: str) -> bool:
 
 def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
     """What would fill disk or memory, or never begin."""
-    from abradem.shards import shards_of_block
-
     sampling, simulation = config.sampling, config.simulation
     plate, stop = simulation.plate, simulation.stop
     if config.cases > MOST_CASES:
@@ -128,15 +126,12 @@ def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             f"makes {config.cases} cases with {sampling.cases_per_block} in a block "
             f"(allowed up to {MOST_CASES} cases in all)",
         )
-    else:
-        shards = shards_of_block(sampling.cases_per_block, simulation.cases_per_job)
-        jobs = sampling.blocks * len(shards)
-        if jobs > MOST_JOBS:
-            yield (
-                ("simulation", "cases_per_job"),
-                f"makes {jobs} simulation jobs (allowed up to {MOST_JOBS}; take more cases per "
-                "job, or fewer and larger blocks)",
-            )
+    elif config.jobs > MOST_JOBS:
+        yield (
+            ("simulation", "cases_per_job"),
+            f"makes {config.jobs} simulation jobs (allowed up to {MOST_JOBS}; take more cases per "
+            "job, or fewer and larger blocks)",
+        )
     facets = math.prod(
         math.ceil(side / plate.facet_size_mm) for side in (plate.length_mm, plate.width_mm)
     )

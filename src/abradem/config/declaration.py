@@ -703,3 +703,15 @@ class Config(Section):
     def cases(self) -> int:
         """Number of cases of the study."""
         return self.sampling.blocks * self.sampling.cases_per_block
+
+    @property
+    def shards(self) -> list[tuple[int, int]]:
+        """First and last-plus-one case of the shards of a block, see `abradem.shards`."""
+        from abradem.shards import shards_of_block
+
+        return shards_of_block(self.sampling.cases_per_block, self.simulation.cases_per_job)
+
+    @property
+    def jobs(self) -> int:
+        """Number of simulation jobs: the shards of all blocks."""
+        return self.sampling.blocks * len(self.shards)

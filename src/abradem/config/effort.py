@@ -21,14 +21,12 @@ def estimate(config: Config, cores: int | None = None) -> str:
     """
     from abradem.cost import case_seconds
     from abradem.sampling import block_cases
-    from abradem.shards import shards_of_block
 
     if config.dataset.external is not None:
         return f"{config.study}: learning from {config.dataset.external}, nothing is simulated"
     cores = cores or os.cpu_count() or 1
     sampling = config.sampling
-    shards = shards_of_block(sampling.cases_per_block, config.simulation.cases_per_job)
-    jobs = sampling.blocks * len(shards)
+    jobs = config.jobs
     size = min(sampling.cases_per_block, _LOOKED_AT)
     blocks = min(sampling.blocks, -(-_LOOKED_AT // size))
     ranges, setup = sampled_ranges(config), setup_dict(config)

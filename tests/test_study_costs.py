@@ -1,0 +1,101 @@
+"""What a finished study cost, and how well it was guessed: figures worked out by hand."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from abradem import cost
+from abradem.config import read_config, sampled_ranges, setup_dict, to_yaml
+from abradem.dataset import write_table
+from abradem.sampling import block_cases
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+
+import order
+import study
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def finished(tmp_path):
+    """A study of four jobs of 30 cases; each case took three times what is guessed."""
+    overlay = tmp_path / "overlay.yaml"
+    overlay.write_text(
+        "study: made_up\nsampling: {blocks: 2, cases_per_block: 60}\n"
+        "simulation: {cases_per_job: 30}\n"
+    )
+    config = read_config(ROOT / "config.yaml", overlay)
+    folder = tmp_path / "results" / "made_up"
+    for block in range(2):
+        cases = block_cases(config.seed, block, 60, config.sampling.method, sampled_ranges(config))
+        write_table(cases, folder / "cases" / f"block-{block:03d}.parquet")
+        seconds = 3.0 * cost.case_seconds(cases, setup_dict(config))
+        for shard, (start, stop) in enumerate(config.shards):
+            job = f"block-{block:03d}-shard-{shard:03d}"
+            part = cases.iloc[start:stop]
+            runs = part[["case_id"]].assign(
+                status="ok", simulated_time=6.0, time_step=2e-6, released=500
+            )
+            runs.loc[runs["case_id"] == 7, "status"] = "rejected: too soft"
+            times = part[["case_id"]].assign(processor_time=seconds[start:stop])
+            write_table(runs, folder / "runs" / f"{job}.parquet")
+            write_table(times, folder / "benchmarks" / "cases" / f"{job}.parquet")
+            for name in ("series", "maps", "wear_rates"):
+                write_table(part[["case_id"]], folder / name / f"{job}.parquet")
+            record = folder / "benchmarks" / "simulate" / f"{job}.tsv"
+            record.parent.mkdir(parents=True, exist_ok=True)
+            record.write_text(f"s\tmax_rss\n100.0\t{250 + shard}.5\n")
+    (folder / "config.yaml").write_text(to_yaml(config))
+    return folder
+
+
+def test_the_figures_of_a_study_are_those_of_its_tables(finished, monkeypatch, capsys):
+    # What another study's jobs left in the folder is not counted.
+    stale = finished / "benchmarks" / "cases" / "block-000-shard-002.parquet"
+    write_table(pd.DataFrame({"case_id": [1], "processor_time": [1e6]}), stale)
+    monkeypatch.setattr(sys, "argv", ["study.py", str(finished)])
+    study.main()
+    said = capsys.readouterr().out
+    timed = order.read_times(finished)
+    all_seconds = pd.concat(timed.study.times)["processor_time"]
+    assert "cases: 120, simulated: 119" in said
+    # 120 cases of 6 s in steps of 2 us, 500 stones each.
+    assert "simulated: 720 s, 0.36 billion steps" in said
+    assert "stones released: 0.06 million" in said
+    assert f"computing: {all_seconds.sum():.0f} s" in said
+    dearest = max(times["processor_time"].sum() for times in timed.study.times)
+    assert f"jobs: 4, the dearest {dearest:.0f} s" in said and "400 s on the wall" in said
+    assert "at most 252 MB" in said
+
+
+def test_an_unfinished_study_is_refused(finished, monkeypatch):
+    (finished / "runs" / "block-001-shard-000.parquet").unlink()
+    with pytest.raises(SystemExit, match=r"block-001-shard-000.parquet is missing"):
+        study.read_study(finished)
+    (finished / "config.yaml").unlink()
+    with pytest.raises(SystemExit, match=r"config.yaml is missing"):
+        study.read_study(finished)
+
+
+def test_two_cores_take_the_jobs_in_the_order_given():
+    seconds = np.array([1.0, 1.0, 1.0, 3.0])
+    assert order.makespan(seconds, np.arange(4)) == 4.0
+    assert order.makespan(seconds, np.argsort(-seconds)) == 3.0
+    assert order.makespan(seconds, np.arange(4), cores=1) == 6.0
+
+
+def test_constants_are_found_again_from_times_made_with_them(finished, monkeypatch, capsys):
+    for name in order.CONSTANTS:
+        # `fit` tries constants in the module itself.
+        monkeypatch.setattr(cost, name, getattr(cost, name))
+    timed = order.read_times(finished)
+    assert len(timed.seconds) == 119
+    order.say_how_well(timed)
+    assert "of ranks 1.00" in capsys.readouterr().out
+    assert timed.guess.sum() == pytest.approx(timed.seconds.sum() / 3.0)
+    order.fit([timed])
+    assert timed.guess == pytest.approx(timed.seconds, rel=0.02)
