@@ -98,9 +98,9 @@ def say_how_well(timed: Timed) -> None:
         f"of logarithms {np.corrcoef(np.log(guess), np.log(seconds))[0, 1]:.2f}, "
         f"of ranks {pd.Series(guess).corr(pd.Series(seconds), method='spearman'):.2f}"
     )
-    jobs = config.shards
+    shards = config.shards
     row = cases["case_id"] - config.sampling.cases_per_block * cases["block"]
-    job = cases["block"] * len(jobs) + np.searchsorted([start for start, _ in jobs], row, "right")
+    job = cases["block"] * len(shards) + np.searchsorted([a for a, _ in shards], row, "right")
     by_job = pd.DataFrame({"spent": seconds, "guess": guess}).groupby(job.to_numpy()).sum()
     spent, guesses = by_job.to_numpy().T
     print(f"  {len(spent)} jobs on two cores: half of the sum {spent.sum() / 2:.1f} s")

@@ -29,7 +29,7 @@ import numpy as np
 from abradem.dataset import replacing
 from abradem.dem import Case, Setup, simulate
 from abradem.dem.model import NORMAL_LAWS, STEPPINGS, TANGENTIAL_DAMPINGS, ContactModel
-from abradem.dem.sampling import ENERGY_TOLERANCE
+from abradem.dem.samples import ENERGY_TOLERANCE
 from abradem.dem.state import rayleigh_time
 from abradem.parameters import SAMPLED
 

@@ -7,11 +7,22 @@ import numpy as np
 import pytest
 
 from abradem import simulate
-from abradem.dem import synchronous
+from abradem.dem import samples, synchronous
 from abradem.dem.counter_random import uniform
 from abradem.dem.energy import energy_book
 from abradem.dem.model import Interaction
-from abradem.dem.state import DONE, GONE, grown, make_problem, make_state, rayleigh_time
+from abradem.dem.samples import make_record
+from abradem.dem.simulation import FIRST_CAPACITY
+from abradem.dem.state import (
+    DONE,
+    GONE,
+    STOP_ENERGY_GAIN,
+    STOP_NOT_FINITE,
+    grown,
+    make_problem,
+    make_state,
+    rayleigh_time,
+)
 from abradem.verification.scenes import Scene, solid
 
 JET = Scene(
@@ -283,17 +294,21 @@ def test_a_position_that_is_no_number_ends_the_case_with_its_reason():
 
 @pytest.mark.parametrize("stepping", ["islands", "synchronous"])
 def test_many_samples_in_one_call_are_those_taken_one_by_one(stepping):
-    """Also where the stop rule ends the case, or a guard."""
+    """Also where the stop rule ends the case, where room is made, where the steps end it."""
     setup = JET.setup(window=1.0, max_time=6.0, target_stderr=0.1, sample_interval=0.07)
     jelly = Scene(particle=solid(2e5, 0.25, 2500.0), radius=0.02)
     cases = [
         (replace(CASE, plate_angle=50.0, particle_radius=0.02), setup),
-        (CASE, replace(SHORT, duration=0.5, sample_interval=0.03)),
+        (
+            replace(CASE, particle_radius=0.005),
+            replace(SHORT, duration=0.2, sample_interval=0.03),
+        ),
         (
             jelly.case(particle_velocity_y=-5.0, plate_angle=10.0),
             replace(SHORT, time_step_fraction=0.02, sample_interval=0.01),
         ),
     ]
+    ends = []
     for case, each in cases:
         times = []
         each = replace(each, stepping=stepping)
@@ -301,10 +316,34 @@ def test_many_samples_in_one_call_are_those_taken_one_by_one(stepping):
         alone = simulate(case, each, progress=times.append)
         assert times == together.time[1:].tolist()
         assert together.facet_wear_all.sum() > 0.0
+        ends.append((together.simulated_time, together.released))
         for name in ("time", "worn", "delivered_mass", "facet_wear", "facet_wear_all"):
             np.testing.assert_array_equal(getattr(together, name), getattr(alone, name))
         assert together.energy == alone.energy and together.status == alone.status
+    assert ends[0][0] < 6.0 and ends[1][1] > 2 * FIRST_CAPACITY
     assert together.status == "overlap above 20 % of the radius"
+
+
+def test_a_guard_ends_a_call_at_its_sample():
+    """Particles that turn to no numbers between samples, in one call for many."""
+    problem, schedule = make_problem(CASE, SHORT)
+    state, record = make_state(problem, 256), make_record(50)
+    take = samples.take_samples
+    assert take(problem, schedule, state, None, 500, 0, 20, record) == (20, DONE)
+    state.particles["anchor_y"][: state.tally["live"][0]] = math.nan
+    assert take(problem, schedule, state, None, 500, 20, 50, record) == (20, STOP_NOT_FINITE)
+    assert record.worn[21:].max() == record.placed[21:].max() == 0
+    assert np.all(np.diff(record.placed[:21]) >= 0) and record.placed[20] > 0
+
+
+def test_a_gain_of_energy_ends_a_call_at_its_sample():
+    problem, schedule = make_problem(CASE, SHORT)
+    state, record = make_state(problem, 256), make_record(50)
+    take = samples.take_samples
+    assert take(problem, schedule, state, None, 500, 0, 20, record) == (20, DONE)
+    state.particles["wz"][: state.tally["live"][0]] += 1000.0
+    assert take(problem, schedule, state, None, 500, 20, 50, record) == (20, STOP_ENERGY_GAIN)
+    assert record.book["gained"][0] > 0.02
 
 
 # The stop rule

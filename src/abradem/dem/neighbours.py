@@ -1,14 +1,16 @@
 """Pair list from a grid of cells: work and memory grow linearly with the particles.
 
 The grid is a box around all particles, its cells 2 R plus the skin wide, and wider where the box
-would have too many of them. Particles are sorted by cell (counting sort), with their places, so
-that the neighbours of a particle lie in nine runs of memory.
+would have too many of them: a stone that strays far makes the list slower, not wrong. Particles
+are sorted by cell (counting sort), with their places, so that the neighbours of a particle lie in
+nine runs of memory.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from abradem.dem.bounds import centre_distance2
 from abradem.dem.cache import kernel
 from abradem.dem.state import GONE, SKIN
 
@@ -17,14 +19,8 @@ CELLS_PER_PARTICLE = 8
 
 
 @kernel(inline=True)
-def _distance2(a, b):
-    dx, dy, dz = a.x - b.x, a.y - b.y, a.z - b.z
-    return dx * dx + dy * dy + dz * dz
-
-
-@kernel(inline=True)
 def _cells(extent, width):
-    """Number of cells along an axis; one if a position is not a finite number."""
+    """Number of cells along an axis; one if positions are no finite numbers, or far too many."""
     number = extent / width
     return np.int64(number) + 1 if 0.0 <= number < 2.0**62 else np.int64(1)
 
@@ -45,7 +41,6 @@ def _make_grid(tally, particles, reach):
             low_y, high_y = min(low_y, particle.y), max(high_y, particle.y)
             low_z, high_z = min(low_z, particle.z), max(high_z, particle.z)
     wide_x = wide_y = wide_z = reach
-    nx = ny = nz = 1
     while True:
         nx = _cells(high_x - low_x, wide_x)
         ny = _cells(high_y - low_y, wide_y)
@@ -168,7 +163,7 @@ def append_pairs(problem, state, new):
     for j in range(new):
         if particles[j].motion == GONE:
             continue
-        if _distance2(particles[j], particles[new]) < reach * reach:
+        if centre_distance2(particles[j], particles[new]) < reach * reach:
             p = tally.pairs
             if p == pairs.size:
                 return False

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from abradem.dem import sampling
+from abradem.dem import samples
 from abradem.dem.agenda import grown_agenda, make_agenda
 from abradem.dem.contact import hertz_duration
 from abradem.dem.energy import energy_book
 from abradem.dem.model import Case, Setup, SimulationResult
-from abradem.dem.sampling import Record, make_record
+from abradem.dem.samples import Record, make_record
 from abradem.dem.state import (
     DONE,
     NEEDS_ROOM,
@@ -31,6 +31,9 @@ CHECK_GROWTH = 1.1
 stop early, seldom enough not to stop on a lucky fluctuation."""
 
 MAPS_PER_WINDOW = 10
+STONES_IN_A_CALL = 2000
+"""Stones present times samples that one call of a kernel takes."""
+
 FEWEST_STEPS_PER_CONTACT = 5.0
 MOST_STEPS_PER_CONTACT = 1e5
 MOST_SAMPLES = 10**5
@@ -80,27 +83,29 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     map_samples = max(1, round(setup.window / MAPS_PER_WINDOW / interval))
     map_interval = map_samples * interval
     window_maps = max(1, round(setup.window / map_interval))
-    samples = max(1, round(_longest(setup) / interval))
+    count = max(1, round(_longest(setup) / interval))
     record_steps = max(1, round(recorder.interval / problem.dt)) if recorder else None
     if recorder:
         recorder.record(0.0, problem, engine.state)
 
-    time = np.arange(samples + 1) * interval
-    record = make_record(samples)
+    time = np.arange(count + 1) * interval
+    record = make_record(count)
     maps = [engine.state.facet_wear.copy()]
     status = "ok"
-    next_check = setup.window
+    next_check = setup.window if setup.duration is None else math.inf
+    alone = recorder or progress is not None
     sample, outcome = 0, DONE
-    while sample < samples:
-        # On to what is due next: a map, a look at the stop rule, somebody who looks on.
-        last = min(samples, (sample // map_samples + 1) * map_samples)
-        if setup.duration is None:
-            last = min(last, max(sample + 1, int(np.searchsorted(time, next_check))))
-        if recorder or progress is not None:
-            last = sample + 1
+    while sample < count:
+        last = sample + 1
+        if not alone:
+            # On to what is due next: a map or a look at the stop rule.
+            due = int(np.searchsorted(time, next_check))
+            last = min(count, (sample // map_samples + 1) * map_samples, max(last, due))
+            last = min(last, sample + engine.samples_in_a_call())
         if recorder:
             outcome = engine.advance(last * sample_steps, record_steps, recorder)
         if outcome == DONE:
+            # Has nothing left to advance where a recorder looked on, and notes the sample.
             sample, outcome = engine.take_samples(sample_steps, sample, last, record)
         if outcome != DONE:
             status = _status(outcome, record)
@@ -109,7 +114,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
             maps.append(engine.state.facet_wear.copy())
         if progress is not None:
             progress(float(time[sample]))
-        if setup.duration is None and time[sample] >= next_check:
+        if time[sample] >= next_check:
             next_check = time[sample] * CHECK_GROWTH
             settled = _Steady(time[: sample + 1], record.worn[: sample + 1], map_interval)
             if (
@@ -128,7 +133,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
 def _status(outcome: int | str, record: Record) -> str:
     """How a case ended, in words."""
     if outcome == STOP_ENERGY_GAIN:
-        return f"energy gain of {100 * record.energy[1]:.1f} % of the energy put in"
+        return f"energy gain of {100 * record.book['gained'][0]:.1f} % of the energy put in"
     return STOP_REASONS.get(outcome, outcome)
 
 
@@ -148,7 +153,7 @@ class _Engine:
             if record_steps:
                 step = int(self.state.tally["step"][0])
                 target = min(target, (step // record_steps + 1) * record_steps)
-            outcome = sampling.advance(self.problem, self.schedule, self.state, self.agenda, target)
+            outcome = samples.advance(self.problem, self.schedule, self.state, self.agenda, target)
             if outcome == NEEDS_ROOM:
                 outcome = self._make_room()
                 if outcome == DONE:
@@ -165,7 +170,7 @@ class _Engine:
     ) -> tuple[int, int | str]:
         """Go on from a sample to a later one; return the last one reached and how that ended."""
         while True:
-            sample, outcome = sampling.take_samples(
+            sample, outcome = samples.take_samples(
                 self.problem, self.schedule, self.state, self.agenda, sample_steps, sample, last,
                 record,
             )  # fmt: skip
@@ -174,6 +179,10 @@ class _Engine:
                 if outcome == DONE:
                     continue
             return sample, outcome
+
+    def samples_in_a_call(self) -> int:
+        """How many samples to take in one call: an interrupt waits for its end."""
+        return max(1, STONES_IN_A_CALL // max(1, int(self.state.tally["live"][0])))
 
     def _make_room(self) -> int | str:
         """Make room for twice as many particles; return what stands against it, or `DONE`."""

@@ -115,7 +115,7 @@ TALLY = np.dtype(
     + _fields("face edge missed removed", np.int64)
     # Distance by which any two can have come nearer since the pair list was made, m.
     + _fields("drift")
-    # m
+    # The largest overlap so far, m.
     + _fields("largest_overlap")
     + _fields("energy_in energy_out")
     # Wear of the whole plate for W = 1, J.

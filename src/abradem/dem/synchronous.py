@@ -29,7 +29,8 @@ LONGEST_PIECE = 1024
 def advance(problem, schedule, state, last_step):
     """Advance to lattice step ``last_step``; return how that ended, at a whole step.
 
-    Calling it in pieces gives the same bits as calling it once.
+    Calling it in pieces gives the same bits as calling it once, but for where among the particles
+    the gaps of removed ones lie.
     """
     state = borrowed_state(state)
     tally = state.tally[0]
@@ -44,7 +45,7 @@ def advance(problem, schedule, state, last_step):
                     return STOP_CROWDED
             if outcome != DONE:
                 return outcome
-        until = min(last_step, max(tally.next_release, tally.step + 1), tally.step + LONGEST_PIECE)
+        until = min(last_step, tally.next_release, tally.step + LONGEST_PIECE)
         outcome = _steps(problem, state, until)
         if outcome != DONE:
             return outcome
@@ -63,6 +64,7 @@ def _steps(problem, state, last_step):
     outcome = DONE
     finishing, moving = False, True
     while True:
+        # From 0 on, so that they are numbers where nothing moves.
         least_x = least_y = least_z = most_x = most_y = most_z = 0.0
         for i in range(tally.live):
             particle = particles[i]

@@ -20,6 +20,11 @@ ENERGY_TOLERANCE = 0.02
 """Energy gained between two samples that ends a case, as a share of the energy put in."""
 
 
+# Energy dissipated until the latest sample, J, and, if that ended the case, what was gained since
+# the sample before, as a share of the energy put in.
+BOOK = np.dtype([("dissipated", np.float64), ("gained", np.float64)])
+
+
 class Record(NamedTuple):
     """What is noted at each sample.
 
@@ -29,20 +34,18 @@ class Record(NamedTuple):
         Wear of the plate by reading, W = 1, J.
     placed : ndarray of int, shape (samples,)
         Particles released.
-    energy : ndarray, shape (2,)
-        Of the latest sample: energy dissipated until then, J, and energy gained since the sample
-        before, as a share of the energy put in, if it ended the case.
+    book : ndarray of BOOK, shape (1,)
     """
 
     worn: np.ndarray
     placed: np.ndarray
-    energy: np.ndarray
+    book: np.ndarray
 
 
 def make_record(samples: int) -> Record:
     """Return an empty record with room for ``samples`` after the beginning."""
     return Record(
-        np.zeros((samples + 1, len(READINGS))), np.zeros(samples + 1, np.int64), np.zeros(2)
+        np.zeros((samples + 1, len(READINGS))), np.zeros(samples + 1, np.int64), np.zeros(1, BOOK)
     )
 
 
@@ -65,10 +68,11 @@ def take_samples(problem, schedule, state, agenda, sample_steps, sample, last, r
     while sample < last:
         outcome = advance(problem, schedule, state, agenda, (sample + 1) * sample_steps)
         if outcome == DONE:
-            outcome = _guard(problem, state, record.energy)
+            outcome = _guard(problem, state, record.book[0])
         if outcome != DONE:
             return sample, outcome
         sample += 1
+        # In the order of READINGS.
         record.worn[sample, 0] = tally.worn_total
         record.worn[sample, 1] = tally.worn_sliding
         record.worn[sample, 2] = tally.worn_friction
@@ -77,7 +81,7 @@ def take_samples(problem, schedule, state, agenda, sample_steps, sample, last, r
 
 
 @kernel
-def _guard(problem, state, energy):
+def _guard(problem, state, book):
     """Check that positions are numbers and that no energy was gained since the last sample."""
     tally = state.tally[0]
     resident = resident_energy(problem, state)
@@ -87,9 +91,9 @@ def _guard(problem, state, energy):
     if not (math.isfinite(worn[0]) and math.isfinite(worn[1]) and math.isfinite(worn[2])):
         return STOP_WEAR_NOT_FINITE
     dissipated = tally.energy_in - tally.energy_out - resident
-    gained = energy[0] - dissipated
-    energy[0] = dissipated
+    gained = book.dissipated - dissipated
+    book.dissipated = dissipated
     if gained > ENERGY_TOLERANCE * max(tally.energy_in, 0.0) and gained > 0.0:
-        energy[1] = gained / tally.energy_in
+        book.gained = gained / tally.energy_in
         return STOP_ENERGY_GAIN
     return DONE

@@ -1,0 +1,70 @@
+"""What a step of a crowd costs: python benchmarks/crowd.py results/large 7559 --after 3.
+
+Simulates so many seconds of a case of a study, then times the same steps again and again from
+there, of which the shortest time counts: a bed as it is, without the time until it lies there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from copy import deepcopy
+from pathlib import Path
+
+import numpy as np
+
+from abradem.cli import find_case
+from abradem.config import read_config, setup_dict
+from abradem.dem.simulation import _Engine
+from abradem.dem.state import DONE, GONE, make_problem
+from abradem.shards import case_from_row, setup_from_dict
+
+STEPS, ROUNDS = 5000, 5
+
+
+def crowd_after(study: Path, case: int, seconds: float) -> _Engine:
+    """Return the engine of a case of a study, advanced to a simulated time."""
+    setup = setup_from_dict(setup_dict(read_config(study / "config.yaml")))
+    problem, schedule = make_problem(case_from_row(find_case(study, case)), setup)
+    engine = _Engine(problem, schedule, setup.stepping)
+    outcome = engine.advance(round(seconds / problem.dt))
+    if outcome != DONE:
+        raise SystemExit(f"case {case} ended before: {outcome}")
+    if engine.agenda is not None and not engine.agenda.clock["crowded"][0]:
+        raise SystemExit(f"case {case} is no crowd after {seconds:g} s")
+    return engine
+
+
+def seconds_per_step(engine: _Engine, steps: int) -> float:
+    """Computing time of a step from where the engine is, which stays there."""
+    copy = deepcopy(engine)
+    start = int(copy.state.tally["step"][0])
+    began = time.process_time()
+    if copy.advance(start + steps) != DONE:
+        raise SystemExit("the case ends there; take less --after")
+    return (time.process_time() - began) / steps
+
+
+def main() -> None:
+    """Print what is there and what a step of it costs."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("study", type=Path, help="folder with config.yaml and cases/")
+    parser.add_argument("case", type=int, help="number of the case")
+    parser.add_argument("--after", type=float, required=True, help="simulated time first, s")
+    chosen = parser.parse_args()
+    engine = crowd_after(chosen.study, chosen.case, chosen.after)
+    best = min(seconds_per_step(engine, STEPS) for _ in range(ROUNDS))
+    tally = engine.state.tally[0]
+    stones = engine.state.particles[: tally["live"]]
+    present = np.count_nonzero(stones["motion"] != GONE)
+    print(
+        f"case {chosen.case} after {chosen.after:g} s: {present} stones, "
+        f"{np.count_nonzero(stones['plate_stiffness'])} on the plate, "
+        f"{np.count_nonzero(engine.state.pairs['stiffness'][: tally['pairs']])} contacts between "
+        f"stones of {tally['pairs']} pairs listed"
+    )
+    print(f"{1e6 * best:.1f} us a step, {1e9 * best / present:.1f} ns a stone")
+
+
+if __name__ == "__main__":
+    main()
