@@ -155,7 +155,7 @@ def _step(problem, state, agenda):
             other = particles[near.j]
             move(problem, other, tally.step)
             if centre_distance2(particles[i], other) < contact2:
-                if not _wake(problem, state, agenda, near.j, now):
+                if not _wake(problem, state, agenda, np.int64(near.j), now):
                     return STOP_CROWDED
                 if near.j < i:
                     k += 1

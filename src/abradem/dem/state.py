@@ -106,8 +106,9 @@ PARTICLE = np.dtype(
     + _fields("plate_slips", np.int64)
 )
 
-# One entry of the pair list, with the memory of its contact; stiffness 0: not touching.
-PAIR = np.dtype(_fields("i j", np.int64) + _fields("stiffness sx sy sz fn tx ty tz"))
+# One entry of the pair list, with the memory of its contact; stiffness 0: not touching. An index
+# without a sign spares numba the question whether it counts from the end.
+PAIR = np.dtype(_fields("i j", np.uint32) + _fields("stiffness sx sy sz fn tx ty tz"))
 
 # Clock, counters and sums.
 TALLY = np.dtype(
