@@ -106,6 +106,7 @@ onstart:
             f"{RESULTS}: {RUN_LOCK.holder()} is at work here; wait for its end"
         )
     print(abradem.config.estimate(CONFIG, workflow.cores), file=sys.stderr)
+    lift_rate_limit(workflow.scheduler)
     MONITOR.start(to_simulate(workflow.dag.needrun_jobs()))
 
 

@@ -183,6 +183,17 @@ def to_simulate(jobs):
     }
 
 
+def lift_rate_limit(scheduler):
+    """Start jobs as they come, unless the user set a limit of their own.
+
+    To start no more than 100 jobs in a second, Snakemake 9 looks at all that wait once a second,
+    and once more each second for every job that has ended: minutes in an hour of two cores.
+    """
+    limiter = getattr(scheduler, "job_rate_limiter", None)
+    if limiter is not None and (limiter.max_jobs, limiter.timespan) == (100, 1):
+        scheduler.job_rate_limiter = None
+
+
 # In the place of Snakemake's own locks, which a killed run leaves behind.
 RUN_LOCK = Lock(Path(".snakemake", f"abradem-{CONFIG.study}.lock"))
 
