@@ -12,6 +12,7 @@ import numpy as np
 
 from abradem.dem.agenda import FAR, NEVER
 from abradem.dem.cache import kernel
+from abradem.dem.vectors import dot
 
 SAFETY = 1e-7
 """Share by which radii are enlarged in predictions, far above rounding."""
@@ -128,8 +129,8 @@ def distances(problem, flights, out, live, now, x, y, z):
 
 @kernel(inline=True)
 def centre_distance2(a, b):
-    dx, dy, dz = a.x - b.x, a.y - b.y, a.z - b.z
-    return dx * dx + dy * dy + dz * dz
+    apart = (a.x - b.x, a.y - b.y, a.z - b.z)
+    return dot(apart, apart)
 
 
 @kernel(inline=True)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from abradem.dem.cache import kernel
 from abradem.dem.damping import exact_beta, nominal_beta
 from abradem.dem.model import ContactModel, Interaction, Material
+from abradem.dem.vectors import dot, fma, plus, scaled
 
 DAMPING_CAPPED, DAMPING_NONE, DAMPING_UNCAPPED = 0, 1, 2
 _DAMPING_CODES = {
@@ -107,7 +108,7 @@ def normal_force(law, overlap, separation_speed):
     """Return (F_n, S, Q): total normal force (N) and the roots of the overlap."""
     s = math.sqrt(overlap)
     q = math.sqrt(s)
-    force = law.kn * overlap * s - law.cn * q * separation_speed
+    force = fma(law.kn * overlap, s, -(law.cn * q * separation_speed))
     if law.clipped and force < 0.0:
         force = 0.0
     return force, s, q
@@ -127,19 +128,15 @@ def entry_share(overlap, approach):
 @kernel(inline=True)
 def rotated(spring, n):
     """Return the spring turned into the plane normal to ``n``, its length kept."""
-    length2 = spring[0] ** 2 + spring[1] ** 2 + spring[2] ** 2
-    along = spring[0] * n[0] + spring[1] * n[1] + spring[2] * n[2]
+    length2, along = dot(spring, spring), dot(spring, n)
     # On a flat face only rounding is left of it.
     if along * along <= _FLAT * length2:
         return spring
-    x = spring[0] - along * n[0]
-    y = spring[1] - along * n[1]
-    z = spring[2] - along * n[2]
-    left2 = x * x + y * y + z * z
+    left = plus(spring, -along, n)
+    left2 = dot(left, left)
     if left2 == 0.0:
         return 0.0, 0.0, 0.0
-    scale = math.sqrt(length2 / left2)
-    return x * scale, y * scale, z * scale
+    return scaled(left, math.sqrt(length2 / left2))
 
 
 @kernel(inline=True)
@@ -168,54 +165,44 @@ def tangential_force(law, fn, s, q, spring, k_before, du, vt):
             factor, mean = 1.0, 2.0 / 3.0 * k
         else:
             factor, mean = min(k / k_before, 1.0), 0.5 * (k_before + k)
-        fx = factor * spring[0] - mean * du[0]
-        fy = factor * spring[1] - mean * du[1]
-        fz = factor * spring[2] - mean * du[2]
+        stretched = plus(scaled(spring, factor), -mean, du)
     else:
-        fx = -k * (spring[0] + du[0])
-        fy = -k * (spring[1] + du[1])
-        fz = -k * (spring[2] + du[2])
+        stretched = scaled(plus(spring, 1.0, du), -k)
 
     cap = law.static_friction * abs(fn)
     cap2 = cap * cap
-    stretched2 = fx * fx + fy * fy + fz * fz
+    stretched2 = dot(stretched, stretched)
     slips = False
     if law.tangential_damping == DAMPING_CAPPED:
-        c = law.ct * q
-        tx, ty, tz = fx - c * vt[0], fy - c * vt[1], fz - c * vt[2]
-        trial2 = tx * tx + ty * ty + tz * tz
+        force = plus(stretched, -(law.ct * q), vt)
+        trial2 = dot(force, force)
         if trial2 > cap2:
             slips = True
-            scale = cap / math.sqrt(trial2)
-            tx, ty, tz = tx * scale, ty * scale, tz * scale
+            force = scaled(force, cap / math.sqrt(trial2))
     else:
-        tx, ty, tz = fx, fy, fz
+        force = stretched
         if stretched2 > cap2:
             slips = True
-            scale = cap / math.sqrt(stretched2)
-            tx, ty, tz = fx * scale, fy * scale, fz * scale
+            force = scaled(force, cap / math.sqrt(stretched2))
         elif law.tangential_damping == DAMPING_UNCAPPED:
-            c = law.ct * q
-            tx, ty, tz = fx - c * vt[0], fy - c * vt[1], fz - c * vt[2]
+            force = plus(stretched, -(law.ct * q), vt)
     # The spring itself never holds more than the cap. Setting it to cap minus damping instead
     # would feed energy in.
     if stretched2 > cap2:
-        scale = cap / math.sqrt(stretched2)
-        fx, fy, fz = fx * scale, fy * scale, fz * scale
+        stretched = scaled(stretched, cap / math.sqrt(stretched2))
         stretched2 = cap2
     energy = 0.5 * stretched2 / k
     if law.incremental:
-        spring = (fx, fy, fz)
+        spring = stretched
     else:
-        spring = (-fx / k, -fy / k, -fz / k)
-    return (tx, ty, tz), spring, k, energy, slips
+        spring = (-stretched[0] / k, -stretched[1] / k, -stretched[2] / k)
+    return force, spring, k, energy, slips
 
 
 @kernel(inline=True)
 def slowed(spin, loss):
     """Return the spin, its magnitude lowered by ``loss`` (rad/s) and never reversed."""
-    magnitude = math.sqrt(spin[0] ** 2 + spin[1] ** 2 + spin[2] ** 2)
+    magnitude = math.sqrt(dot(spin, spin))
     if magnitude <= loss:
         return 0.0, 0.0, 0.0
-    scale = 1.0 - loss / magnitude
-    return spin[0] * scale, spin[1] * scale, spin[2] * scale
+    return scaled(spin, 1.0 - loss / magnitude)

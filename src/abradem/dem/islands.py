@@ -56,8 +56,10 @@ from abradem.dem.state import (
     STOP_OVERLAP,
     TOUCHING,
     WAKING,
+    fall,
     flight,
 )
+from abradem.dem.vectors import dot, scaled
 
 NAP = 4
 """A particle that would sleep no longer than this many steps stays awake."""
@@ -212,12 +214,12 @@ def _touch_partners(problem, state, agenda, i, now):
                 near.stiffness = 0.0
                 near.next_check = NEVER
                 continue
-            dx, dy, dz = a.x - b.x, a.y - b.y, a.z - b.z
-            distance2 = dx * dx + dy * dy + dz * dz
+            apart = (a.x - b.x, a.y - b.y, a.z - b.z)
+            distance2 = dot(apart, apart)
             if distance2 < contact2:
                 if near.j > i:
                     distance = math.sqrt(distance2)
-                    n = (dx / distance, dy / distance, dz / distance)
+                    n = scaled(apart, 1.0 / distance)
                     touch_pair(problem, near, a, b, distance, n, tally)
                 near.next_check = now + 1
             else:
@@ -238,9 +240,9 @@ def _may_sleep(problem, state, agenda, i, now):
     time = problem.dt * (now - flights[6, i])
     vx, vz = flights[3, i], flights[5, i]
     vy = flights[4, i] - problem.gravity * time
-    x = flight(flights[0, i], vx, 0.0, time)
-    y = flight(flights[1, i], flights[4, i], -problem.gravity, time)
-    z = flight(flights[2, i], vz, 0.0, time)
+    x = flight(flights[0, i], vx, time)
+    y = fall(flights[1, i], flights[4, i], problem.gravity, time)
+    z = flight(flights[2, i], vz, time)
 
     drop = max(y - problem.removal_height, 0.0)
     fastest = math.sqrt(vx * vx + vy * vy + vz * vz + 2.0 * problem.gravity * drop)

@@ -23,18 +23,20 @@ from abradem.dem.state import (
     TOUCHING,
     WAKING,
     energy_of,
+    fall,
     fall_speed,
     flight,
 )
+from abradem.dem.vectors import cross, dot, fma, plus, scaled, split
 
 
 @kernel(inline=True)
 def fly_to(problem, particle, step):
     """Put a flying particle where it is at a lattice step."""
     time = problem.dt * (step - particle.anchor_step)
-    particle.x = flight(particle.anchor_x, particle.vx, 0.0, time)
-    particle.y = flight(particle.anchor_y, particle.vy, -problem.gravity, time)
-    particle.z = flight(particle.anchor_z, particle.vz, 0.0, time)
+    particle.x = flight(particle.anchor_x, particle.vx, time)
+    particle.y = fall(particle.anchor_y, particle.vy, problem.gravity, time)
+    particle.z = flight(particle.anchor_z, particle.vz, time)
 
 
 @kernel(inline=True)
@@ -43,21 +45,15 @@ def move(problem, particle, step):
 
     The spins of the step are known since `finish`.
     """
-    dt = problem.dt
     x, y, z = particle.x, particle.y, particle.z
     if particle.motion == FLYING:
         fly_to(problem, particle, step + 1)
     else:
-        kick = problem.kick
-        particle.half_vx = particle.vx + kick * particle.fx
-        particle.half_vy = particle.vy + kick * particle.fy
-        particle.half_vz = particle.vz + kick * particle.fz
-        particle.next_vx = particle.half_vx + kick * particle.fx
-        particle.next_vy = particle.half_vy + kick * particle.fy
-        particle.next_vz = particle.half_vz + kick * particle.fz
-        particle.x += particle.half_vx * dt
-        particle.y += particle.half_vy * dt
-        particle.z += particle.half_vz * dt
+        force = (particle.fx, particle.fy, particle.fz)
+        half = plus((particle.vx, particle.vy, particle.vz), problem.kick, force)
+        particle.half_vx, particle.half_vy, particle.half_vz = half
+        particle.next_vx, particle.next_vy, particle.next_vz = plus(half, problem.kick, force)
+        particle.x, particle.y, particle.z = plus((x, y, z), problem.dt, half)
         _clear_load(problem, particle)
     return particle.x - x, particle.y - y, particle.z - z
 
@@ -71,10 +67,8 @@ def _turn(problem, particle):
     """
     turn = problem.turn
     half_x, half_y, half_z = particle.half_wx, particle.half_wy, particle.half_wz
-    x, y, z = slowed(
-        (half_x + turn * particle.mx, half_y + turn * particle.my, half_z + turn * particle.mz),
-        turn * particle.rolling,
-    )
+    turned = plus((half_x, half_y, half_z), turn, (particle.mx, particle.my, particle.mz))
+    x, y, z = slowed(turned, turn * particle.rolling)
     particle.wx, particle.wy, particle.wz = (
         0.5 * (half_x + x),
         0.5 * (half_y + y),
@@ -108,7 +102,7 @@ def wake(problem, particle, step):
     particle.next_vx = particle.half_vx = particle.vx
     particle.next_vz = particle.half_vz = particle.vz
     particle.next_vy = fall_speed(problem, particle, step + 1)
-    particle.half_vy = particle.next_vy + 0.5 * problem.gravity * problem.dt
+    particle.half_vy = fma(0.5 * problem.gravity, problem.dt, particle.next_vy)
     particle.next_wx = particle.half_wx = particle.wx
     particle.next_wy = particle.half_wy = particle.wy
     particle.next_wz = particle.half_wz = particle.wz
@@ -119,10 +113,11 @@ def wake(problem, particle, step):
 @kernel(inline=True)
 def finish(problem, particle, step):
     """Full-step velocities of what touches; what touches no more flies from here."""
-    kick = problem.kick
-    particle.vx = particle.half_vx + kick * particle.fx
-    particle.vy = particle.half_vy + kick * particle.fy
-    particle.vz = particle.half_vz + kick * particle.fz
+    particle.vx, particle.vy, particle.vz = plus(
+        (particle.half_vx, particle.half_vy, particle.half_vz),
+        problem.kick,
+        (particle.fx, particle.fy, particle.fz),
+    )
     _turn(problem, particle)
     if particle.in_contact != 0:
         particle.motion = TOUCHING
@@ -137,34 +132,18 @@ def finish(problem, particle, step):
 @kernel(inline=True)
 def _point_velocity(v, w, arm, n):
     """v - arm (w x n): velocity of the surface point at ``-arm n`` from the centre."""
-    return (
-        v[0] - arm * (w[1] * n[2] - w[2] * n[1]),
-        v[1] - arm * (w[2] * n[0] - w[0] * n[2]),
-        v[2] - arm * (w[0] * n[1] - w[1] * n[0]),
-    )
-
-
-@kernel(inline=True)
-def _split(v, n):
-    """Return the part of v along n and the vector that remains."""
-    along = _dot(v, n)
-    return along, (v[0] - along * n[0], v[1] - along * n[1], v[2] - along * n[2])
-
-
-@kernel(inline=True)
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return plus(v, -arm, cross(w, n))
 
 
 @kernel(inline=True)
 def _load(particle, fn, n, ft, arm):
     """Add a contact force on a particle that acts at ``-arm n`` from its centre."""
-    particle.fx += fn * n[0] + ft[0]
-    particle.fy += fn * n[1] + ft[1]
-    particle.fz += fn * n[2] + ft[2]
-    particle.mx -= arm * (n[1] * ft[2] - n[2] * ft[1])
-    particle.my -= arm * (n[2] * ft[0] - n[0] * ft[2])
-    particle.mz -= arm * (n[0] * ft[1] - n[1] * ft[0])
+    particle.fx, particle.fy, particle.fz = plus(
+        (particle.fx + ft[0], particle.fy + ft[1], particle.fz + ft[2]), fn, n
+    )
+    particle.mx, particle.my, particle.mz = plus(
+        (particle.mx, particle.my, particle.mz), -arm, cross(n, ft)
+    )
     particle.in_contact = 1
 
 
@@ -181,7 +160,7 @@ def touch_plate(problem, particle, tally, facet_wear):
         return
 
     wake(problem, particle, tally.step)
-    half_speed, slide = _split(
+    half_speed, slide = split(
         _point_velocity(
             (particle.half_vx, particle.half_vy, particle.half_vz),
             (particle.half_wx, particle.half_wy, particle.half_wz),
@@ -195,7 +174,7 @@ def touch_plate(problem, particle, tally, facet_wear):
     fn, ft, spring = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     stiffness, stored, slips = 0.0, 0.0, False
     if overlap > 0.0:
-        speed, slip = _split(
+        speed, slip = split(
             _point_velocity(
                 (particle.next_vx, particle.next_vy, particle.next_vz),
                 (particle.next_wx, particle.next_wy, particle.next_wz),
@@ -209,7 +188,7 @@ def touch_plate(problem, particle, tally, facet_wear):
             spring = rotated((particle.plate_sx, particle.plate_sy, particle.plate_sz), n)
         else:
             share = entry_share(overlap, -half_speed * dt)
-        du = (slide[0] * dt * share, slide[1] * dt * share, slide[2] * dt * share)
+        du = scaled(slide, dt * share)
         fn, s, q = normal_force(law, overlap, speed)
         ft, spring, stiffness, stored, slips = tangential_force(
             law, fn, s, q, spring, particle.plate_stiffness, du, slip
@@ -223,13 +202,13 @@ def touch_plate(problem, particle, tally, facet_wear):
             tally.edge += 0 if on_face else 1
 
     # Archard's F_n ds in its three readings.
-    total = 0.5 * (max(fn_old, 0.0) + max(fn, 0.0)) * math.sqrt(_dot(slide, slide)) * dt
+    total = 0.5 * (max(fn_old, 0.0) + max(fn, 0.0)) * math.sqrt(dot(slide, slide)) * dt
     # Without friction everything slides: the other two readings have this limit.
     sliding, friction = total, total
     mu = law.static_friction
     if mu > 0.0:
         per_mu = 1.0 / mu
-        work_old, work = -_dot(ft_old, slide) * dt, -_dot(ft, slide) * dt
+        work_old, work = -dot(ft_old, slide) * dt, -dot(ft, slide) * dt
         sliding = 0.0
         if particle.plate_slips != 0:
             sliding += 0.5 * max(work_old, 0.0) * per_mu
@@ -261,7 +240,7 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
     overlap = 2.0 * problem.radius - distance
     arm = 0.5 * distance
     # The arms are equal, so the relative velocity turns with the sum of the spins.
-    half_speed, slide = _split(
+    half_speed, slide = split(
         _point_velocity(
             (a.half_vx - b.half_vx, a.half_vy - b.half_vy, a.half_vz - b.half_vz),
             (a.half_wx + b.half_wx, a.half_wy + b.half_wy, a.half_wz + b.half_wz),
@@ -270,7 +249,7 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
         ),
         n,
     )
-    speed, slip = _split(
+    speed, slip = split(
         _point_velocity(
             (a.next_vx - b.next_vx, a.next_vy - b.next_vy, a.next_vz - b.next_vz),
             (a.next_wx + b.next_wx, a.next_wy + b.next_wy, a.next_wz + b.next_wz),
@@ -284,7 +263,7 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
         spring = rotated((pair.sx, pair.sy, pair.sz), n)
     else:
         share = entry_share(overlap, -half_speed * dt)
-    du = (slide[0] * dt * share, slide[1] * dt * share, slide[2] * dt * share)
+    du = scaled(slide, dt * share)
     fn, s, q = normal_force(law, overlap, speed)
     ft, spring, stiffness, _, _ = tangential_force(law, fn, s, q, spring, pair.stiffness, du, slip)
     _load(a, fn, n, ft, arm)

@@ -10,6 +10,7 @@ import math
 from typing import NamedTuple
 
 from abradem.dem.cache import kernel
+from abradem.dem.vectors import dot, fma
 
 
 class Plate(NamedTuple):
@@ -44,13 +45,13 @@ def make_plate(length: float, width: float, angle_deg: float, facets: tuple[int,
 @kernel(inline=True)
 def height_over(plate, x, y):
     """Signed distance from the plane of the plate, m."""
-    return -plate.sin * x + plate.cos * y
+    return fma(plate.cos, y, -(plate.sin * x))
 
 
 @kernel(inline=True)
 def plate_distance(plate, x, y, z):
     """Return distance to the plate, unit normal towards the point, nearest (along, z), on_face."""
-    along = plate.cos * x + plate.sin * y
+    along = fma(plate.cos, x, plate.sin * y)
     height = height_over(plate, x, y)
     near_along = min(max(along, -plate.half_length), plate.half_length)
     near_z = min(max(z, -plate.half_width), plate.half_width)
@@ -60,10 +61,10 @@ def plate_distance(plate, x, y, z):
         if height >= 0.0:
             return height, (-plate.sin, plate.cos, 0.0), near_along, near_z, True
         return -height, (plate.sin, -plate.cos, 0.0), near_along, near_z, True
-    distance = math.sqrt(side * side + height * height + dz * dz)
+    distance = math.sqrt(dot((side, height, dz), (side, height, dz)))
     n = (
-        (side * plate.cos - height * plate.sin) / distance,
-        (side * plate.sin + height * plate.cos) / distance,
+        fma(side, plate.cos, -(height * plate.sin)) / distance,
+        fma(side, plate.sin, height * plate.cos) / distance,
         dz / distance,
     )
     return distance, n, near_along, near_z, False

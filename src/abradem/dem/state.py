@@ -16,6 +16,7 @@ from abradem.dem.cache import kernel
 from abradem.dem.contact import Law, make_law
 from abradem.dem.model import Case, Material, Setup
 from abradem.dem.plate import Plate, make_plate
+from abradem.dem.vectors import fma
 
 SKIN = 0.3
 """Reach of the pair list beyond contact, in radii."""
@@ -249,15 +250,21 @@ def grown(state: State, capacity: int) -> State:
 
 
 @kernel(inline=True)
-def flight(start, velocity, acceleration, time):
-    """x0 + v0 t + a t^2 / 2 along one axis."""
-    return start + time * (velocity + 0.5 * acceleration * time)
+def flight(start, velocity, time):
+    """x0 + v0 t, along a horizontal axis."""
+    return fma(velocity, time, start)
+
+
+@kernel(inline=True)
+def fall(start, velocity, gravity, time):
+    """y0 + v0 t - g t^2 / 2, along the vertical."""
+    return fma(fma(-0.5 * gravity, time, velocity), time, start)
 
 
 @kernel(inline=True)
 def fall_speed(problem, particle, step):
     """Vertical velocity of a flying particle at a lattice step, m/s."""
-    return particle.vy - problem.gravity * (problem.dt * (step - particle.anchor_step))
+    return fma(-problem.gravity, problem.dt * (step - particle.anchor_step), particle.vy)
 
 
 @kernel(inline=True)

@@ -20,6 +20,7 @@ from abradem.dem.state import (
     TOUCHING,
     WAKING,
 )
+from abradem.dem.vectors import dot, scaled
 
 LONGEST_PIECE = 1024
 """So many steps at most are taken before gaps that removed particles left are closed."""
@@ -109,11 +110,11 @@ def _touch_pairs(problem, state):
     for p in range(tally.pairs):
         pair = pairs[p]
         a, b = particles[pair.i], particles[pair.j]
-        dx, dy, dz = a.x - b.x, a.y - b.y, a.z - b.z
-        distance2 = dx * dx + dy * dy + dz * dz
+        apart = (a.x - b.x, a.y - b.y, a.z - b.z)
+        distance2 = dot(apart, apart)
         if distance2 < contact2 and a.motion != GONE and b.motion != GONE:
             distance = math.sqrt(distance2)
-            n = (dx / distance, dy / distance, dz / distance)
+            n = scaled(apart, 1.0 / distance)
             touch_pair(problem, pair, a, b, distance, n, tally)
         else:
             pair.stiffness = 0.0

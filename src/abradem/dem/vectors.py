@@ -1,0 +1,58 @@
+"""Vectors of three numbers as tuples, products and sums fused.
+
+A product and a sum that are fused are rounded once and are one instruction of the processor in
+place of two. That is asked for by name: were the compiler free to fuse, it would do so here and
+not there, and the steppings, which share these formulas, would differ in their last bits.
+"""
+
+from __future__ import annotations
+
+from numba.core import types
+from numba.extending import intrinsic
+
+from abradem.dem.cache import kernel
+
+
+@intrinsic
+def fma(typing_context, a, b, c):
+    """Return a b + c, rounded once (IEEE 754 fusedMultiplyAdd)."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.fma(*arguments)
+
+    return types.float64(types.float64, types.float64, types.float64), codegen
+
+
+@kernel(inline=True)
+def dot(a, b):
+    """Return a . b."""
+    return fma(a[0], b[0], fma(a[1], b[1], a[2] * b[2]))
+
+
+@kernel(inline=True)
+def cross(a, b):
+    """Return a x b."""
+    return (
+        fma(a[1], b[2], -(a[2] * b[1])),
+        fma(a[2], b[0], -(a[0] * b[2])),
+        fma(a[0], b[1], -(a[1] * b[0])),
+    )
+
+
+@kernel(inline=True)
+def plus(a, share, b):
+    """Return a + share b."""
+    return fma(share, b[0], a[0]), fma(share, b[1], a[1]), fma(share, b[2], a[2])
+
+
+@kernel(inline=True)
+def scaled(a, scale):
+    """Return scale a."""
+    return scale * a[0], scale * a[1], scale * a[2]
+
+
+@kernel(inline=True)
+def split(v, n):
+    """Return the part of v along the unit vector n and the vector that remains."""
+    along = dot(v, n)
+    return along, plus(v, -along, n)
