@@ -73,12 +73,15 @@ ERRORS = (
           "time_step_fraction: float = 0.15", "time_step_fraction: float = 0.2",
           IMPACTS, "test_default_step_biases_total_as_documented"),
     Error("spring set to cap minus damping", "contact.py",
-          "    if stretched2 > cap2:\n        scale = cap / math.sqrt(stretched2)\n"
-          "        fx, fy, fz = fx * scale, fy * scale, fz * scale\n        stretched2 = cap2\n",
-          "    if slips:\n        c = law.ct * q\n"
-          "        fx, fy, fz = tx + c * vt[0], ty + c * vt[1], tz + c * vt[2]\n"
-          "        stretched2 = fx * fx + fy * fy + fz * fz\n",
+          "    if stretched2 > cap2:\n"
+          "        stretched = scaled(stretched, cap / math.sqrt(stretched2))\n"
+          "        stretched2 = cap2\n",
+          "    if slips:\n        stretched = plus(force, law.ct * q, vt)\n"
+          "        stretched2 = dot(stretched, stretched)\n",
           IMPACTS, "test_total_at_30_degrees_tells_the_laws_apart"),
+    Error("cross product turned round", "vectors.py", "fma(a[1], b[2], -(a[2] * b[1]))",
+          "fma(a[2], b[1], -(a[1] * b[2]))", "tests/dem/test_vectors.py",
+          "test_vectors_are_those_of_numpy"),
     Error("wear takes the new force alone", "motion.py",
           "total = 0.5 * (max(fn_old, 0.0) + max(fn, 0.0))", "total = max(fn, 0.0)", SPHERES,
           "test_a_crowd_moves_as_its_naive_twin"),

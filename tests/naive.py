@@ -5,6 +5,7 @@ Slow and obvious. Every fast kernel is tested against them.
 
 import itertools
 import math
+from fractions import Fraction
 
 import numpy as np
 
@@ -171,3 +172,8 @@ class Spheres:
 def across_part(v, n):
     """Part of v normal to n."""
     return v - (v @ n) * n
+
+
+def fused(a, b, c):
+    """a b + c, rounded once: a fraction becomes the float that is nearest to it."""
+    return float(Fraction(a) * Fraction(b) + Fraction(c))
