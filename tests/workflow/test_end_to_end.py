@@ -346,8 +346,8 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
     kept = {name: (project.results / name).read_bytes() for name in others}
     with project.edited(
         "src/abradem/dem/contact.py",
-        "force = law.kn * overlap * s",
-        "force = 1.2 * law.kn * overlap * s",
+        "force = fma(law.kn * overlap, s,",
+        "force = fma(1.2 * law.kn * overlap, s,",
     ):
         assert project.pending("simulation")["simulate"] == SHARDS
         assert project.run(shard)["simulate"] == 1
