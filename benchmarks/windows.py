@@ -16,7 +16,6 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import yaml
 
@@ -24,7 +23,7 @@ from abradem.config import load_config, setup_dict
 from abradem.dataset import read_table
 from abradem.dem import simulate
 from abradem.dem.simulation import CHECK_GROWTH, MAPS_PER_WINDOW
-from abradem.dem.steady import batch_means, steady_start
+from abradem.dem.steady import batch_means, steady_part
 from abradem.shards import case_from_row, setup_from_dict
 
 SHORTER = (1.0, 2.0, 3.0)
@@ -33,7 +32,7 @@ FLAT, SMALL = 12.0, 0.012
 """Plate angle, deg, and radius, m, below which beds form."""
 
 
-def stopped_rate(time: np.ndarray, worn: np.ndarray, window: float, target: float):
+def stopped_rate(time, worn, present, window: float, target: float):
     """Rate that the stop rule ends with on a record, its relative standard error and the time.
 
     nan where the record ends before the rule does.
@@ -47,12 +46,20 @@ def stopped_rate(time: np.ndarray, worn: np.ndarray, window: float, target: floa
         if time[k] < check:
             continue
         check = time[k] * CHECK_GROWTH
-        start = steady_start(time[: k + 1], worn[: k + 1])
+        past = slice(k + 1)
+        start = steady_part(
+            time[past], worn[past], present[past], (maps_in_window + 1) * map_interval
+        )
         first_map = math.ceil(start.time / map_interval - 1e-9)
-        found = batch_means(time[: k + 1], worn[: k + 1], first_map * map_interval)
+        found = batch_means(time[past], worn[past], first_map * map_interval)
         known = found.batches > 0 and found.rate > 0.0
         stderr = found.stderr / found.rate if known else math.inf
-        if start.settled and first_map + maps_in_window <= k // map_samples and stderr <= target:
+        if not start.settled:
+            check = min(check, time[k] + map_interval)
+            continue
+        if first_map + maps_in_window > k // map_samples:
+            check = min(check, (first_map + maps_in_window) * map_interval)
+        elif stderr <= target:
             return found.rate, stderr, time[k]
     return math.nan, math.nan, math.nan
 
@@ -63,11 +70,12 @@ def replayed(folder: Path, setup) -> pd.DataFrame:
     rows = []
     for path in sorted((folder / "series").glob("*.parquet")):
         for case_id, record in read_table(path).groupby("case_id"):
-            time, worn = record["time"].to_numpy(), record["worn_total"].to_numpy()
-            rate = stopped_rate(time, worn, setup.window, setup.target_stderr)[0]
+            columns = ("time", "worn_total", "particles_present")
+            arrays = [record[column].to_numpy() for column in columns]
+            rate = stopped_rate(*arrays, setup.window, setup.target_stderr)[0]
             row = {"case_id": case_id}
             for window in SHORTER:
-                shorter = stopped_rate(time, worn, window, setup.target_stderr)[0]
+                shorter = stopped_rate(*arrays, window, setup.target_stderr)[0]
                 row[window] = shorter / rate - 1.0
             rows.append(row)
     return pd.DataFrame(rows).set_index("case_id").join(cases)
@@ -80,7 +88,9 @@ def beds(folder: Path, setup, number: int) -> None:
     for row in flat.head(number).to_dict("records"):
         result = simulate(case_from_row(row), replace(setup, duration=LONG))
         time, worn = result.time, result.worn[:, 0]
-        rate, stderr, end = stopped_rate(time, worn, setup.window, setup.target_stderr)
+        rate, stderr, end = stopped_rate(
+            time, worn, result.present, setup.window, setup.target_stderr
+        )
         late = batch_means(time, worn, LONG / 2.0)
         print(
             f"case {row['case_id']}: R {1e3 * row['particle_radius']:.1f} mm, "

@@ -65,6 +65,7 @@ def simulated(monkeypatch):
                 "time": time,
                 "worn": np.repeat(RATE * time[:, None], 3, axis=1),
                 "delivered_mass": 4.0 * time,
+                "present": np.full(time.size, 50),
                 "facet_wear": wear,
                 "facet_wear_all": wear,
                 "window": (STEADY_FROM, STEADY_FROM + setup.window),

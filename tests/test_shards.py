@@ -47,7 +47,8 @@ def result_of(case, setup, status="ok"):
     }
     others = {
         "case": case, "setup": setup, "status": status, "time": np.arange(5.0), "worn": worn,
-        "delivered_mass": np.arange(5.0), "facet_wear": rng.random((3, *setup.facets)),
+        "delivered_mass": np.arange(5.0), "present": np.arange(5),
+        "facet_wear": rng.random((3, *setup.facets)),
         "facet_wear_all": rng.random((3, *setup.facets)), "window": (1.0, 2.0),
         "released": 5, "removed": 4, "energy": {},
     }  # fmt: skip

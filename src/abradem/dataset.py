@@ -92,6 +92,7 @@ _SERIES = {
     "worn_sliding": Column("J", "cumulative normal force times sliding distance"),
     "worn_friction": Column("J", "cumulative friction work over the coefficient of friction"),
     "delivered_mass": Column("kg", "cumulative mass released"),
+    "particles_present": Column("1", "particles present", "int32"),
 }
 
 _MAPS = {
@@ -106,7 +107,7 @@ _MAPS = {
 }
 
 _RUNS = {
-    "settled": Column("1", "whether the wear rate had stopped to drift", "bool"),
+    "settled": Column("1", "whether wear rate and particles present had stopped to drift", "bool"),
     "status": Column("1", "ok, or why the case ended early", "string"),
     "simulated_time": Column("s", "simulated time at the end"),
     "steady_from": Column("s", "end of the transient"),

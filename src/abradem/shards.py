@@ -266,6 +266,7 @@ def _tables(row: Mapping, result) -> dict:
     for index, reading in enumerate(READINGS):
         series[f"worn_{reading}"] = result.worn[:, index]
     series["delivered_mass"] = result.delivered_mass
+    series["particles_present"] = result.present
 
     facet_x, facet_z = np.indices(result.facet_wear.shape[1:], dtype=np.int32)
     maps = pd.DataFrame(
@@ -293,12 +294,13 @@ def _without_result(row: Mapping, status: str) -> dict:
     numbers["simulated_time"] = 0.0
     counts = {"settled": False, "released": 0, "removed": 0}
     series = ("time", *(f"worn_{reading}" for reading in READINGS), "delivered_mass")
+    present = {"case_id": "int64", "particles_present": "int32"}
     wear = tuple(f"wear_{reading}" for reading in READINGS)
     integers = dict.fromkeys(("case_id", "facet_x", "facet_z"), "int64")
     return {
-        "series": pd.DataFrame(columns=("case_id", *series), dtype=float).astype(
-            {"case_id": "int64"}
-        ),
+        "series": pd.DataFrame(
+            columns=("case_id", *series, "particles_present"), dtype=float
+        ).astype(present),
         "maps": pd.DataFrame(columns=(*integers, *wear), dtype=float).astype(integers),
         "runs": _run_row(row, status, numbers, counts),
     }

@@ -259,6 +259,8 @@ class SimulationResult:
         Cumulative F_n ds on the whole plate, J.
     delivered_mass : ndarray, shape (n,)
         Cumulative mass released, kg.
+    present : ndarray of int, shape (n,)
+        Particles present.
     facet_wear : ndarray, shape (3, nx, nz)
         F_n ds per facet within ``window``, J.
     facet_wear_all : ndarray, shape (3, nx, nz)
@@ -268,7 +270,7 @@ class SimulationResult:
     steady_from : float
         End of the transient, s; nan if the window after it was not completed.
     settled : bool
-        Whether the transient rule found the record steady.
+        Whether the transient rule found wear and particles present steady.
     stderr : float
         Relative standard error of the plate-mean ``total`` rate at the stop; nan if unknown.
     time_step : float
@@ -294,6 +296,7 @@ class SimulationResult:
     time: np.ndarray
     worn: np.ndarray
     delivered_mass: np.ndarray
+    present: np.ndarray
     facet_wear: np.ndarray
     facet_wear_all: np.ndarray
     window: tuple[float, float]

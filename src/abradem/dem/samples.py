@@ -32,20 +32,24 @@ class Record(NamedTuple):
     ----------
     worn : ndarray, shape (samples, 3)
         Wear of the plate by reading, W = 1, J.
-    placed : ndarray of int, shape (samples,)
-        Particles released.
+    placed, present : ndarray of int, shape (samples,)
+        Particles released, and those of them that were not removed yet.
     book : ndarray of BOOK, shape (1,)
     """
 
     worn: np.ndarray
     placed: np.ndarray
+    present: np.ndarray
     book: np.ndarray
 
 
 def make_record(samples: int) -> Record:
     """Return an empty record with room for ``samples`` after the beginning."""
     return Record(
-        np.zeros((samples + 1, len(READINGS))), np.zeros(samples + 1, np.int64), np.zeros(1, BOOK)
+        np.zeros((samples + 1, len(READINGS))),
+        np.zeros(samples + 1, np.int64),
+        np.zeros(samples + 1, np.int64),
+        np.zeros(1, BOOK),
     )
 
 
@@ -77,6 +81,7 @@ def take_samples(problem, schedule, state, agenda, sample_steps, sample, last, r
         record.worn[sample, 1] = tally.worn_sliding
         record.worn[sample, 2] = tally.worn_friction
         record.placed[sample] = tally.placed
+        record.present[sample] = tally.placed - tally.removed
     return sample, DONE
 
 

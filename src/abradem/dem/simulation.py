@@ -23,12 +23,12 @@ from abradem.dem.state import (
     make_problem,
     make_state,
 )
-from abradem.dem.steady import batch_means, steady_start
+from abradem.dem.steady import batch_means, steady_part
 
 FIRST_CAPACITY = 64
 CHECK_GROWTH = 1.1
-"""The stop rule is looked at when the simulated time has grown by this factor: often enough to
-stop early, seldom enough not to stop on a lucky fluctuation."""
+"""The standard error is looked at when the simulated time has grown by this factor: often enough
+to stop early, seldom enough not to stop on a lucky fluctuation."""
 
 MAPS_PER_WINDOW = 10
 STONES_IN_A_CALL = 2000
@@ -45,7 +45,7 @@ end in days, is refused or stopped."""
 def simulate(case: Case, setup: Setup | None = None, releases=None, progress=None, recorder=None):
     """Pour spheres on the plate of ``case`` until its wear rate is known well enough.
 
-    The transient is dropped by `steady.steady_start`. Simulation goes on until the ``window``
+    The transient is dropped by `steady.steady_part`. Simulation goes on until the ``window``
     after it is complete and the relative standard error of the plate-mean ``total`` rate is at
     most ``target_stderr``, or until ``max_time``; with ``duration``, exactly so long.
 
@@ -116,17 +116,17 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
             progress(float(time[sample]))
         if time[sample] >= next_check:
             next_check = time[sample] * CHECK_GROWTH
-            settled = _Steady(time[: sample + 1], record.worn[: sample + 1], map_interval)
-            if (
-                settled.settled
-                and settled.first_map + window_maps < len(maps)
-                and settled.relative_stderr <= setup.target_stderr
-            ):
+            steady = _Steady(record, time[: sample + 1], window_maps, map_interval)
+            if not steady.settled:
+                next_check = min(next_check, time[sample] + map_interval)
+            elif not steady.complete(maps):
+                # Nothing but the rest of the window is missing, as far as is known.
+                next_check = min(next_check, steady.window_end)
+            elif steady.relative_stderr <= setup.target_stderr:
                 break
-    past = slice(sample + 1)
     return _result(
-        case, setup, problem, engine.state, status, time[past], record.worn[past],
-        record.placed[past], maps, window_maps, map_interval,
+        case, setup, problem, engine.state, status, time[: sample + 1], record, maps,
+        window_maps, map_interval,
     )  # fmt: skip
 
 
@@ -260,33 +260,40 @@ def _room(problem: Problem, setup: Setup) -> float:
 class _Steady:
     """The steady part of a record: where it begins and how well the rate is known."""
 
-    def __init__(self, time, worn, map_interval):
-        total = worn[:, 0]
-        start = steady_start(time, total)
+    def __init__(self, record: Record, time, window_maps: int, map_interval: float):
+        total, present = record.worn[: time.size, 0], record.present[: time.size]
+        # Its start is moved on to the next map.
+        start = steady_part(time, total, present, (window_maps + 1) * map_interval)
         self.settled = start.settled
         self.first_map = math.ceil(start.time / map_interval - 1e-9)
+        self.last_map = self.first_map + window_maps
         self.start = self.first_map * map_interval
+        self.window_end = self.last_map * map_interval
         rate = batch_means(time, total, self.start)
         known = rate.batches > 0 and rate.rate > 0.0
         self.relative_stderr = rate.stderr / rate.rate if known else math.inf
 
+    def complete(self, maps: list) -> bool:
+        """Whether the window after its start lies within the record."""
+        return self.last_map < len(maps)
+
 
 def _result(
-    case, setup, problem, state, status, time, worn, placed, maps, window_maps, map_interval
+    case, setup, problem, state, status, time, record, maps, window_maps, map_interval
 ) -> SimulationResult:
-    steady = _Steady(time, worn, map_interval)
-    complete = steady.first_map + window_maps < len(maps)
+    steady = _Steady(record, time, window_maps, map_interval)
+    complete = steady.complete(maps)
     if complete:
-        last = steady.first_map + window_maps
-        facet_wear = maps[last] - maps[steady.first_map]
-        window = (steady.start, last * map_interval)
+        facet_wear = maps[steady.last_map] - maps[steady.first_map]
+        window = (steady.start, steady.window_end)
     else:
         facet_wear = np.full_like(state.facet_wear, np.nan)
         window = (math.nan, math.nan)
     tally = state.tally[0]
     ended = int(tally["face"] + tally["edge"] + tally["missed"])
     simulated = float(time[-1])
-    delivered = placed * problem.mass
+    past = slice(time.size)
+    delivered = record.placed[past] * problem.mass
 
     def share(number):
         return float(number) / ended if ended else math.nan
@@ -296,8 +303,9 @@ def _result(
         setup=setup,
         status=status,
         time=time,
-        worn=worn,
+        worn=record.worn[past],
         delivered_mass=delivered,
+        present=record.present[past],
         facet_wear=facet_wear,
         facet_wear_all=state.facet_wear.copy(),
         window=window,
