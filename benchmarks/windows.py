@@ -16,6 +16,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import yaml
 
@@ -41,11 +42,11 @@ def stopped_rate(time, worn, present, window: float, target: float):
     map_samples = max(1, round(window / MAPS_PER_WINDOW / interval))
     maps_in_window = max(1, round(window / (map_samples * interval)))
     map_interval = map_samples * interval
-    check = window
+    look = np.searchsorted(time, window)
     for k in range(1, len(time)):
-        if time[k] < check:
+        if k < look:
             continue
-        check = time[k] * CHECK_GROWTH
+        look = np.searchsorted(time, time[k] * CHECK_GROWTH)
         past = slice(k + 1)
         start = steady_part(
             time[past], worn[past], present[past], (maps_in_window + 1) * map_interval
@@ -55,10 +56,9 @@ def stopped_rate(time, worn, present, window: float, target: float):
         known = found.batches > 0 and found.rate > 0.0
         stderr = found.stderr / found.rate if known else math.inf
         if not start.settled:
-            check = min(check, time[k] + map_interval)
-            continue
-        if first_map + maps_in_window > k // map_samples:
-            check = min(check, (first_map + maps_in_window) * map_interval)
+            look = min(look, k + map_samples)
+        elif first_map + maps_in_window > k // map_samples:
+            look = min(look, (first_map + maps_in_window) * map_samples)
         elif stderr <= target:
             return found.rate, stderr, time[k]
     return math.nan, math.nan, math.nan

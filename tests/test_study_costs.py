@@ -1,21 +1,24 @@
 """What a finished study cost, and how well it was guessed: figures worked out by hand."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from abradem import cost
+from abradem import Interaction, cost, simulate
 from abradem.config import read_config, sampled_ranges, setup_dict, to_yaml
 from abradem.dataset import read_table, write_table
 from abradem.sampling import block_cases
+from abradem.verification.scenes import Scene, solid
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 
 import order
 import study
+import windows
 
 ROOT = Path(__file__).parents[1]
 
@@ -102,3 +105,24 @@ def test_constants_are_found_again_from_times_made_with_them(finished, monkeypat
     assert timed.guess.sum() == pytest.approx(timed.seconds.sum() / 3.0)
     order.fit([timed])
     assert timed.guess == pytest.approx(timed.seconds, rel=0.02)
+
+
+@pytest.mark.parametrize("target", [0.2, 0.06])
+def test_a_replay_of_the_stop_rule_stops_where_the_simulation_did(target):
+    scene = Scene(
+        particle=solid(5e9, 0.25, 2500.0), radius=0.03, interaction=Interaction(0.5, 0.45, 0.05)
+    )
+    for angle in (30.0, 2.0):
+        case = scene.case(plate_angle=angle, particle_velocity_y=-3.0, seed=3)
+        setup = scene.setup(window=1.0, max_time=30.0, target_stderr=target)
+        result = simulate(case, setup)
+        assert result.simulated_time < 29.0
+        longer = simulate(case, replace(setup, duration=result.simulated_time + 2.0))
+        rate, stderr, end = windows.stopped_rate(
+            longer.time, longer.worn[:, 0], longer.present, setup.window, target
+        )
+        assert end == result.simulated_time and stderr == result.stderr
+        steady = result.time >= result.steady_from
+        known = result.worn[steady, 0]
+        span = result.time[-1] - result.steady_from
+        assert rate == pytest.approx((known[-1] - known[0]) / span, rel=1e-3)

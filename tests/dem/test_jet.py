@@ -317,7 +317,7 @@ def test_many_samples_in_one_call_are_those_taken_one_by_one(stepping):
         assert times == together.time[1:].tolist()
         assert together.facet_wear_all.sum() > 0.0
         ends.append((together.simulated_time, together.released))
-        for name in ("time", "worn", "delivered_mass", "facet_wear", "facet_wear_all"):
+        for name in ("time", "worn", "delivered_mass", "present", "facet_wear", "facet_wear_all"):
             np.testing.assert_array_equal(getattr(together, name), getattr(alone, name))
         assert together.energy == alone.energy and together.status == alone.status
     assert ends[0][0] < 6.0 and ends[1][1] > 2 * FIRST_CAPACITY
@@ -347,6 +347,27 @@ def test_a_gain_of_energy_ends_a_call_at_its_sample():
 
 
 # The stop rule
+
+
+def test_particles_present_are_those_released_and_not_removed(jet):
+    assert jet.present[0] == 0 and jet.present[-1] == jet.released - jet.removed
+    assert jet.removed > 0 and jet.present.max() < jet.released
+    other = simulate(CASE, replace(SHORT, stepping="synchronous"))
+    np.testing.assert_array_equal(jet.present, other.present)
+
+
+def test_a_case_whose_particles_still_change_goes_on():
+    """Large stones on a level plate without rolling friction to leave it by: they only gather."""
+    setup = JET.setup(
+        window=1.0, max_time=4.0, target_stderr=0.5, plate_length=3.0, plate_width=3.0
+    )
+    filling = simulate(replace(CASE, plate_angle=0.0), setup)
+    assert filling.present[-1] > 0.5 * filling.released
+    assert not filling.settled and filling.simulated_time == pytest.approx(4.0, rel=0.01)
+    # It has a rate and a window all the same, for the flag to say what they are worth.
+    assert math.isfinite(filling.steady_from) and np.isfinite(filling.facet_wear).all()
+    leaving = simulate(replace(CASE, plate_angle=60.0), setup)
+    assert leaving.settled and leaving.simulated_time < 3.0
 
 
 def test_a_case_runs_until_its_error_is_small_enough():

@@ -71,9 +71,9 @@ def test_a_bed_that_fills_is_not_steady_before_it_is_full():
 def test_particles_present_show_what_the_wear_hides():
     # The wear alone, of a bed that fills but does not shield yet, is steady.
     time, worn, present = bed(np.random.default_rng(8), 8.0, filled=8.0, shielded=0.0)
-    assert steady_start(time, worn, 5.5).settled
+    assert steady_start(time, worn).settled
     assert not steady_part(time, worn, present, 5.5).settled
-    assert steady_part(time, worn, np.full(time.size, 400), 5.5) == steady_start(time, worn, 5.5)
+    assert steady_part(time, worn, np.full(time.size, 400), 5.5) == steady_start(time, worn)
 
 
 def test_a_few_large_stones_are_steady():
@@ -87,20 +87,39 @@ def test_a_few_large_stones_are_steady():
     assert np.mean(parts) > 0.9
 
 
-def test_nothing_present_is_steady():
+@pytest.mark.parametrize("present", [0.0, np.repeat([50.0, 0.0], [100, 901])])
+def test_nothing_present_is_steady(present):
     time, worn = series(np.random.default_rng(10))
-    assert steady_part(time, worn, np.zeros(time.size), 5.5) == steady_start(time, worn, 5.5)
+    worn = np.where(time < 2.0, 0.0, worn)
+    present = np.zeros(time.size) + present
+    assert steady_part(time, worn, present, 5.5) == steady_start(time, worn)
+
+
+def test_the_later_of_two_transients_counts():
+    rng = np.random.default_rng(16)
+    time, _ = series(rng)
+    noise = 0.02 * rng.normal(size=(2, time.size))
+    late = integral(time, np.where(time < 6.0, 3.0, 1.0) + noise[0])
+    early = np.where(time < 2.0, 200.0, 400.0) * (1.0 + noise[1])
+    found = steady_part(time, late, early, 5.5)
+    assert found.settled and found.time == pytest.approx(6.0, abs=0.2)
+    late = np.where(time < 6.0, 200.0, 400.0) * (1.0 + noise[1])
+    early = integral(time, np.where(time < 2.0, 3.0, 1.0) + noise[0])
+    found = steady_part(time, early, late, 5.5)
+    assert found.settled and found.time == pytest.approx(6.0, abs=0.2)
 
 
 def test_a_late_transient_is_found_while_the_window_remains():
     time = np.arange(0.0, 20.01, 0.02)
     level = np.where(time < 12.0, 3.0 - time / 6.0, 1.0)
     worn = integral(time, level + 0.02 * np.random.default_rng(11).normal(size=time.size))
+    constant = np.full(time.size, 400)
     assert not steady_start(time, worn).settled
-    found = steady_start(time, worn, 5.5)
+    assert steady_start(time, worn, 14.5).time == pytest.approx(12.0, abs=0.5)
+    found = steady_part(time, worn, constant, 5.5)
     assert found.settled and found.time == pytest.approx(12.0, abs=0.5)
     # No window of 9 s is left after 12 s.
-    late = steady_start(time, worn, 9.0)
+    late = steady_part(time, worn, constant, 9.0)
     assert not late.settled and late.time == pytest.approx(10.0, abs=0.11)
 
 
@@ -110,10 +129,48 @@ def test_a_drop_after_the_half_is_no_steady_state():
     noise = np.random.default_rng(15).normal(size=time.size)
     worn = integral(time, np.where(time < 7.0, 2.0, 1.0) + 0.1 * noise)
     constant = np.full(time.size, 400)
-    assert steady_start(time, worn, 5.5).settled
-    assert not steady_part(time, worn, constant, 5.5).settled
+    assert steady_start(time, worn).settled
+    dropped = steady_part(time, worn, constant, 5.5)
+    assert not dropped.settled and dropped.time >= 5.0
     plain = integral(time, 2.0 + 0.1 * noise)
-    assert steady_part(time, plain, constant, 5.5) == steady_start(time, plain, 5.5)
+    assert steady_part(time, plain, constant, 5.5) == steady_start(time, plain)
+
+
+def test_a_change_after_a_steady_half_begins_the_part_anew():
+    time, _ = series(np.random.default_rng(17), until=60.0)
+    noise = 0.02 * np.random.default_rng(17).normal(size=time.size)
+    worn = integral(time, np.where(time < 40.0, 2.0, 1.0) + noise)
+    present = np.where(time < 40.0, 400, 700)
+    assert steady_start(time, worn).settled and steady_start(time, worn).time < 5.0
+    found = steady_part(time, worn, present, 5.5)
+    assert found.settled and found.time == pytest.approx(40.0, abs=0.2)
+
+
+def test_a_search_below_two_windows_is_that_of_the_half():
+    """A drift that the first half does not end is not ended by a shorter search."""
+    time = np.arange(0.0, 9.01, 0.02)
+    for seed in range(15):
+        noise = 0.05 * np.random.default_rng(seed).normal(size=time.size)
+        worn = integral(time, np.where(time < 0.3, 0.0, 1.0 - 0.03 * time + noise))
+        half = steady_start(time, worn)
+        part = steady_part(time, worn, np.full(time.size, 400), 5.5)
+        assert part.settled <= half.settled
+        if part.settled:
+            assert part == half
+
+
+@pytest.mark.parametrize("window", [0.01, 0.055, 0.3, 2.0])
+def test_short_windows_leave_enough_to_judge_by(window):
+    for until in (0.5, 1.06, 3.0, 9.0):
+        time = np.arange(0.0, until, 0.01)
+        part = steady_part(time, time**2, np.full(time.size, 40), window)
+        assert not part.settled and part.time <= time[-1]
+
+
+def test_a_constant_end_is_found_exactly():
+    time = np.arange(0.0, 60.01, 0.02)
+    worn = integral(time, np.where(time < 40.0, 2.0, 1.3))
+    assert steady_start(time, worn, 54.5).time == pytest.approx(40.0, abs=0.11)
 
 
 def test_the_integral_is_exact_for_a_straight_line():
@@ -132,21 +189,37 @@ def test_the_change_of_a_level_is_that_of_its_line():
     assert np.isnan(change(time, np.zeros(time.size), 5.0).change)
 
 
-def test_the_error_of_a_change_is_that_of_least_squares():
-    from scipy.stats import linregress
-
-    values = np.random.default_rng(13).normal(100.0, 5.0, 20)
-    line = linregress(np.arange(20), values)
-    residual = values - line.intercept - line.slope * np.arange(20)
-    assert residual[1:] @ residual[:-1] < 0.0  # so that the error is not enlarged
+@pytest.mark.parametrize("wave", [0.0, 20.0])
+def test_the_error_of_a_change_is_that_of_least_squares(wave):
+    """The slope's by a parabola's residuals, enlarged where these are correlated."""
+    values = np.random.default_rng(13).normal(100.0, 5.0, 20) + wave * np.sin(0.6 * np.arange(20.0))
+    place = (np.arange(20) - 9.5) / 20
+    design = np.stack([np.ones(20), place, place**2], axis=1)
+    fit, _, _, _ = np.linalg.lstsq(design, values, rcond=None)
+    residual = values - design @ fit
+    lag1 = residual[1:] @ residual[:-1] / (residual @ residual)
+    assert (lag1 > 0.4) if wave else (lag1 < 0.0)
+    covariance = np.linalg.inv(design.T @ design) * (residual @ residual) / 17
+    stderr = np.sqrt(covariance[1, 1]) / values.mean()
+    if wave:
+        stderr *= np.sqrt((1.0 + lag1) / (1.0 - lag1))
     found = change(np.arange(21.0), np.concatenate([[0.0], np.cumsum(values)]), 0.0)
-    assert found.change == pytest.approx(20.0 * line.slope / values.mean(), rel=1e-9)
-    assert found.stderr == pytest.approx(20.0 * line.stderr / values.mean(), rel=1e-9)
+    assert found.change == pytest.approx(fit[1] / values.mean(), rel=1e-9)
+    assert found.stderr == pytest.approx(stderr, rel=1e-9)
+
+
+@pytest.mark.parametrize("last", [0.3, 0.5, 0.8])
+def test_a_late_growth_is_no_scatter(last):
+    time = np.linspace(0.0, 10.0, 1001)
+    begin = 10.0 * (1.0 - last)
+    level = 400.0 * (1.0 + np.clip((time - begin) / (10.0 - begin), 0.0, 1.0) * (1.0 + last))
+    found = change(time, integral(time, level), 0.0)
+    assert abs(found.change) > 3.0 * found.stderr
 
 
 def test_a_change_within_its_error_or_below_the_limit_is_none():
     time, worn = series(np.random.default_rng(14), rate=3000.0)
-    alone = steady_start(time, worn, 5.5)
+    alone = steady_start(time, worn)
     slow = 100.0 * (1.0 + 0.8 * LARGEST_CHANGE * time / time[-1])
     assert steady_part(time, worn, slow, 5.5) == alone
     fast = 100.0 * (1.0 + 2.0 * LARGEST_CHANGE * time / time[-1])

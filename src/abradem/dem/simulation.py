@@ -27,8 +27,8 @@ from abradem.dem.steady import batch_means, steady_part
 
 FIRST_CAPACITY = 64
 CHECK_GROWTH = 1.1
-"""The standard error is looked at when the simulated time has grown by this factor: often enough
-to stop early, seldom enough not to stop on a lucky fluctuation."""
+"""A steady record is looked at again when the simulated time has grown by this factor: often enough
+to stop early, seldom enough not to stop on a lucky fluctuation of the standard error."""
 
 MAPS_PER_WINDOW = 10
 STONES_IN_A_CALL = 2000
@@ -92,15 +92,14 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     record = make_record(count)
     maps = [engine.state.facet_wear.copy()]
     status = "ok"
-    next_check = setup.window if setup.duration is None else math.inf
+    look = int(np.searchsorted(time, setup.window)) if setup.duration is None else count + 1
     alone = recorder or progress is not None
     sample, outcome = 0, DONE
     while sample < count:
         last = sample + 1
         if not alone:
             # On to what is due next: a map or a look at the stop rule.
-            due = int(np.searchsorted(time, next_check))
-            last = min(count, (sample // map_samples + 1) * map_samples, max(last, due))
+            last = min(count, (sample // map_samples + 1) * map_samples, max(last, look))
             last = min(last, sample + engine.samples_in_a_call())
         if recorder:
             outcome = engine.advance(last * sample_steps, record_steps, recorder)
@@ -114,14 +113,14 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
             maps.append(engine.state.facet_wear.copy())
         if progress is not None:
             progress(float(time[sample]))
-        if time[sample] >= next_check:
-            next_check = time[sample] * CHECK_GROWTH
+        if sample >= look:
+            look = int(np.searchsorted(time, time[sample] * CHECK_GROWTH))
             steady = _Steady(record, time[: sample + 1], window_maps, map_interval)
             if not steady.settled:
-                next_check = min(next_check, time[sample] + map_interval)
+                look = min(look, sample + map_samples)
             elif not steady.complete(maps):
                 # Nothing but the rest of the window is missing, as far as is known.
-                next_check = min(next_check, steady.window_end)
+                look = min(look, steady.last_map * map_samples)
             elif steady.relative_stderr <= setup.target_stderr:
                 break
     return _result(

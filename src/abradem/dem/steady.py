@@ -20,12 +20,18 @@ BIN = 0.1
 LAG1_QUANTILE = 1.645
 """One-sided 95 % bound of a normal variable: larger lag-1 correlations are believed."""
 
+LEAST_BINS = 20
+"""Bins that a late truncation must leave, as the scatter of a few says nothing."""
+
+ROUNDING = 1e-18
+"""Variance, as a share of the mean square, that is none."""
+
 LARGEST_CHANGE = 0.2
 """Change of wear rate or particles present over the steady part, as a share of their mean, above
-which it is none. Half of it made beds an eighth dearer and their rates no better: where the
-particles grow by 1 %, the wear falls by 0.1 to 1.2 %."""
+which it is none. The wear of a bed falls by up to 1.2 % where its particles grow by 1 %, so that
+the mean over the part can be off by a tenth; docs/method.md says by how much it is."""
 
-SIGNIFICANT = 2.0
+SIGNIFICANT = 3.0
 """Standard errors that such a change must have, lest chance keep few large stones unsteady."""
 
 
@@ -59,51 +65,65 @@ def steady_part(
 
     The transient of the wear ends by `steady_start`. If the particles present still change from
     there on, the part begins where their own transient ends. Neither may change in it by more
-    than `LARGEST_CHANGE`, unless by chance.
+    than `LARGEST_CHANGE`, unless by chance. What is not steady by a truncation in the first half
+    of the record may be by a later one that leaves the window.
 
     Parameters
     ----------
     time, worn, present : ndarray, shape (n,)
         Sample times, s, the cumulative wear and the particles present.
     window : float
-        As for `steady_start`, s.
-
-    Returns
-    -------
-    SteadyStart
-        ``settled`` is False if either still drifts.
-    """
-    start, settled = steady_start(time, worn, window)
-    if not settled:
-        return SteadyStart(start, False)
-    if np.any(present):
-        summed = integral(time, present)
-        if _changes(time, summed, start):
-            bed = steady_start(time, summed, window)
-            start = max(start, bed.time)
-            settled = bed.settled and not _changes(time, summed, start)
-    return SteadyStart(start, settled and not _changes(time, worn, start))
-
-
-def steady_start(time: np.ndarray, cumulative: np.ndarray, window: float = math.inf) -> SteadyStart:
-    """Return the end of the transient by the marginal standard error rule (MSER).
-
-    The truncation that minimises the standard error of the mean of what remains, searched over
-    the first half of the record (White 1997, Simulation 69:323); never before the first wear.
-    Where the record still drifts at its half, the search goes on as long as ``window`` remains.
-
-    Parameters
-    ----------
-    time, cumulative : ndarray, shape (n,)
-        Sample times, s, and the cumulative series.
-    window : float
         Length of record that suffices after the transient, s.
 
     Returns
     -------
     SteadyStart
+        ``settled`` is False if either still drifts; ``time`` is then at least the half of the
+        record.
+    """
+    summed = integral(time, present)
+    half = 0.5 * (time[0] + time[-1])
+    early = _part(time, worn, summed, None)
+    if early.settled:
+        return early
+    latest = time[-1] - window
+    if latest > half:
+        late = _part(time, worn, summed, latest)
+        if late.settled:
+            return late
+    return SteadyStart(max(half, early.time), False)
+
+
+def _part(time, worn, summed, latest) -> SteadyStart:
+    """The steady part that begins at ``latest`` at the latest, by default in the first half."""
+    start, settled = steady_start(time, worn, latest)
+    if settled and _changes(time, summed, start):
+        bed = steady_start(time, summed, latest)
+        start, settled = max(start, bed.time), bed.settled
+    steady = not (_changes(time, summed, start) or _changes(time, worn, start))
+    return SteadyStart(start, settled and steady)
+
+
+def steady_start(
+    time: np.ndarray, cumulative: np.ndarray, latest: float | None = None
+) -> SteadyStart:
+    """Return the end of the transient by the marginal standard error rule (MSER).
+
+    The truncation that minimises the standard error of the mean of what remains (White 1997,
+    Simulation 69:323); never before the first wear.
+
+    Parameters
+    ----------
+    time, cumulative : ndarray, shape (n,)
+        Sample times, s, and the cumulative series.
+    latest : float, optional
+        Where the search ends, s; by default at the half of the record.
+
+    Returns
+    -------
+    SteadyStart
         ``time`` in s; ``settled`` is False if nothing is worn yet or the minimum lies at the
-        end of the search, that is, the record still drifts. ``time`` is then the half of it.
+        end of the search, that is, the record still drifts. ``time`` is then that end.
     """
     time = np.asarray(time, dtype=float)
     cumulative = np.asarray(cumulative, dtype=float)
@@ -117,22 +137,23 @@ def steady_start(time: np.ndarray, cumulative: np.ndarray, window: float = math.
         return SteadyStart(half, False)
     edges = time[-1] - BIN * np.arange(bins, -1, -1)
     increments = np.diff(np.interp(edges, time, cumulative))
-    middle = bins // 2
-    far = int(max((time[-1] - time[0] - window) / BIN + 1e-9, 0.0))
-    for last in (middle, far):
-        best = _truncation(increments, last)
-        if best < last:
-            return SteadyStart(float(max(edges[best], first)), True)
-    return SteadyStart(float(max(edges[middle], first)), False)
+    last = bins // 2
+    if latest is not None:
+        last = int(max(min((latest - edges[0]) / BIN + 1e-9, bins - LEAST_BINS), 0.0))
+    best = _truncation(increments, last)
+    return SteadyStart(float(max(edges[best], first)), best < last)
 
 
 def _truncation(increments: np.ndarray, last: int) -> int:
     """How many of the first increments, at most ``last``, to drop by the MSER."""
+    # From the last one, so that rounding does not choose within a constant end.
+    increments = increments - increments[-1]
     dropped = np.arange(last + 1)
     left = increments.size - dropped
     tail_sum = np.cumsum(increments[::-1])[::-1][dropped]
     tail_square = np.cumsum(increments[::-1] ** 2)[::-1][dropped]
-    variance = np.maximum(tail_square / left - (tail_sum / left) ** 2, 0.0)
+    variance = tail_square / left - (tail_sum / left) ** 2
+    variance[variance < ROUNDING * (increments @ increments) / increments.size] = 0.0
     return int(np.argmin(variance / left))
 
 
@@ -153,29 +174,35 @@ def change(time: np.ndarray, cumulative: np.ndarray, start: float, batches: int 
     start : float
         Where the part begins, s.
     batches : int
-        Number of equal batches, at least 3.
+        Number of equal batches, at least 4.
 
     Returns
     -------
     Change
-        Slope times length of the part, over the mean. The standard error, that of a slope by least
-        squares, is enlarged for a positive lag-1 correlation of the residuals as in
-        `batch_means`. Both nan if fewer than two batches of a sample each fit, or the mean is 0.
+        Slope times length of the part, over the mean, by least squares. Its standard error comes
+        from the residuals of a parabola, so that a change which grows is no scatter, and is
+        enlarged for a positive lag-1 correlation of these as in `batch_means`. Both nan with
+        fewer samples than batches, or if the mean is 0.
     """
     means = _batches(np.asarray(time, dtype=float), cumulative, start, batches)
     if means is None or means.mean() == 0.0:
         return Change(np.nan, np.nan)
     mean = float(means.mean())
+    # A constant, a line and a parabola, orthogonal to each other.
     place = (np.arange(batches) - 0.5 * (batches - 1)) / batches
+    bend = place**2 - (place**2).mean()
     whole = float(place @ means) / float(place @ place)
-    residual = means - mean - whole * place
-    spread = float(residual @ residual)
-    stderr = math.sqrt(spread / (batches - 2) / float(place @ place))
-    return Change(whole / mean, stderr * _enlarged(_lag1(residual), batches) / mean)
+    residual = means - mean - whole * place - float(bend @ means) / float(bend @ bend) * bend
+    scatter = float(residual @ residual) / (batches - 3)
+    stderr = math.sqrt(scatter / float(place @ place)) * _enlarged(_lag1(residual), batches)
+    return Change(whole / mean, stderr / mean)
 
 
 def _changes(time: np.ndarray, cumulative: np.ndarray, start: float) -> bool:
     """Whether a rate grows or falls from ``start`` on; so too if the part is too short to tell."""
+    if cumulative[-1] == np.interp(start, time, cumulative):
+        # Nothing throughout.
+        return False
     found = change(time, cumulative, start)
     return not abs(found.change) <= max(LARGEST_CHANGE, SIGNIFICANT * found.stderr)
 
@@ -220,11 +247,13 @@ def batch_means(
     -------
     BatchMeans
         ``stderr`` is s / sqrt(batches), enlarged by sqrt((1 + r) / (1 - r)) where the lag-1
-        correlation r of the batches is significantly positive. All nan if fewer than two
-        batches of a sample each fit.
+        correlation r of the batches is significantly positive. All nan with fewer samples
+        than batches.
     """
+    if minimum < 2:
+        return BatchMeans(np.nan, np.nan, np.nan, 0)
     means = _batches(np.asarray(time, dtype=float), cumulative, start, minimum)
-    if means is None or minimum < 2:
+    if means is None:
         return BatchMeans(np.nan, np.nan, np.nan, 0)
     lag1 = _lag1(means - means.mean())
     stderr = float(means.std(ddof=1) / np.sqrt(minimum)) * _enlarged(lag1, minimum)
