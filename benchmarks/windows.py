@@ -38,6 +38,8 @@ def stopped_rate(time, worn, present, window: float, target: float):
 
     nan where the record ends before the rule does.
     """
+    if len(time) < 2:
+        return math.nan, math.nan, math.nan
     interval = time[1] - time[0]
     map_samples = max(1, round(window / MAPS_PER_WINDOW / interval))
     maps_in_window = max(1, round(window / (map_samples * interval)))
@@ -69,8 +71,8 @@ def replayed(folder: Path, setup) -> pd.DataFrame:
     cases = read_table(folder / "cases.parquet").set_index("case_id")
     rows = []
     for path in sorted((folder / "series").glob("*.parquet")):
-        for case_id, record in read_table(path).groupby("case_id"):
-            columns = ("time", "worn_total", "particles_present")
+        columns = ("time", "worn_total", "particles_present")
+        for case_id, record in read_table(path, ("case_id", *columns)).groupby("case_id"):
             arrays = [record[column].to_numpy() for column in columns]
             rate = stopped_rate(*arrays, setup.window, setup.target_stderr)[0]
             row = {"case_id": case_id}
@@ -82,9 +84,10 @@ def replayed(folder: Path, setup) -> pd.DataFrame:
 
 
 def beds(folder: Path, setup, number: int) -> None:
-    """Simulate some of the study's beds for long and print a line for each."""
-    cases = read_table(folder / "cases.parquet")
+    """Simulate some of the study's beds for long; print a line for each and one for all."""
+    cases = pd.concat(read_table(path) for path in sorted((folder / "cases").glob("*.parquet")))
     flat = cases[(cases["plate_angle"] < 7.0) & cases["particle_radius"].between(0.007, SMALL)]
+    off = []
     for row in flat.head(number).to_dict("records"):
         result = simulate(case_from_row(row), replace(setup, duration=LONG))
         time, worn = result.time, result.worn[:, 0]
@@ -92,13 +95,20 @@ def beds(folder: Path, setup, number: int) -> None:
             time, worn, result.present, setup.window, setup.target_stderr
         )
         late = batch_means(time, worn, LONG / 2.0)
+        off.append(100.0 * (rate / late.rate - 1.0))
         print(
             f"case {row['case_id']}: R {1e3 * row['particle_radius']:.1f} mm, "
-            f"{row['plate_angle']:.1f} deg: the rule stops after {end:.1f} s, "
-            f"{100 * (rate / late.rate - 1):+.1f} % from the mean of the last {LONG / 2:g} s; "
-            f"standard errors {100 * stderr:.1f} % and {100 * late.stderr / late.rate:.1f} %",
+            f"{row['plate_angle']:.1f} deg, {result.present[-1]} stones: "
+            f"the rule stops after {end:.1f} s, {off[-1]:+.1f} % from the mean of the last "
+            f"{LONG / 2:g} s; standard errors {100 * stderr:.1f} % and "
+            f"{100 * late.stderr / late.rate:.1f} %",
             flush=True,
         )
+    known = np.array(off)[np.isfinite(off)]
+    print(
+        f"{len(known)} of {len(off)} beds stopped within {LONG:g} s: mean {known.mean():+.1f} %, "
+        f"root mean square {np.sqrt((known**2).mean()):.1f} %, largest {abs(known).max():.1f} %"
+    )
 
 
 def main() -> None:
@@ -116,10 +126,11 @@ def main() -> None:
     bed = (table["plate_angle"] < FLAT) & (table["particle_radius"] < SMALL)
     for window in SHORTER:
         for name, which in (("beds", bed), ("others", ~bed)):
-            off = 100.0 * table.loc[which, window].dropna()
+            off = 100.0 * table.loc[which, window]
+            known = off.dropna()
             print(
-                f"window {window:g} s, {name}: {len(off)} cases, mean {off.mean():+.2f} %, "
-                f"largest {off.abs().max():.1f} %"
+                f"window {window:g} s, {name}: {len(known)} of {len(off)} cases, "
+                f"mean {known.mean():+.2f} %, largest {known.abs().max():.1f} %"
             )
 
 

@@ -266,7 +266,7 @@ class SimulationResult:
     facet_wear_all : ndarray, shape (3, nx, nz)
         The same from the start to the end, J.
     window : tuple of float
-        Start and end of the window, s; (nan, nan) if no steady state was reached.
+        Start and end of the window, s; (nan, nan) if it was not completed.
     steady_from : float
         End of the transient, s; nan if the window after it was not completed.
     settled : bool

@@ -52,7 +52,7 @@ def rate_of(result: SimulationResult, reading: str = "total", start: float | Non
     result : SimulationResult
     reading : str
     start : float, optional
-        End of the transient, s; by default from the transient rule on ``total``.
+        End of the transient, s; by default that of ``total`` alone (`steady_start`).
     """
     if start is None:
         start = steady_start(result.time, result.worn[:, 0]).time
