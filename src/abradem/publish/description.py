@@ -14,7 +14,7 @@ LICENCE_URL = "https://creativecommons.org/licenses/by/4.0/"
 
 PARTITIONED = {
     "dataset": "The data set in one part for each block",
-    "series": "Worn volume (Archard constant 1 1/Pa) and particles present over time, of every case",
+    "series": "Worn volume (Archard constant 1 1/Pa) and particles present over time, by case",
     "maps": "Wear of each facet within the window, for an Archard constant of 1 1/Pa",
     "runs": "How each simulation ended: status, times, feed, standard error",
 }
