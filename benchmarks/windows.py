@@ -105,6 +105,8 @@ def beds(folder: Path, setup, number: int) -> None:
             flush=True,
         )
     known = np.array(off)[np.isfinite(off)]
+    if not known.size:
+        raise SystemExit(f"none of {len(off)} beds stopped within {LONG:g} s")
     print(
         f"{len(known)} of {len(off)} beds stopped within {LONG:g} s: mean {known.mean():+.1f} %, "
         f"root mean square {np.sqrt((known**2).mean()):.1f} %, largest {abs(known).max():.1f} %"

@@ -53,7 +53,12 @@ class Results:
         for name, value in {
             "learning/noise_floor.json": noise,
             "summary.json": {"flags": {"stderr": 1}, "cases_without_flag": 11},
-            "versions.json": {"seed": 1, "code": {}, "versions": {"abradem": "1", "numpy": "2"}},
+            "versions.json": {
+                "seed": 1,
+                "code": {},
+                "versions": {"abradem": "1", "numpy": "2"},
+                "source": {"commit": "c0ffee", "changed": False},
+            },
             "config.yaml": values,
         }.items():
             self.add(name, lambda path, value=value: write_json(value, path))
@@ -84,7 +89,10 @@ def made(tmp_path_factory):
 
 
 def test_the_crate_lists_every_file_with_its_hash_and_size(made):
-    graph = json.loads(made.published()["ro-crate-metadata.json"])["@graph"]
+    described = json.loads(made.published()["ro-crate-metadata.json"])
+    # The context of RO-Crate 1.1 lacks the term.
+    assert described["@context"][1] == {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
+    graph = described["@graph"]
     listed = {entity["@id"]: entity for entity in graph if entity["@type"] == "File"}
     found = {k: v for k, v in made.published().items() if k != "ro-crate-metadata.json"}
     assert listed.keys() == found.keys()
@@ -94,6 +102,7 @@ def test_the_crate_lists_every_file_with_its_hash_and_size(made):
     entities = {entity["@id"]: entity for entity in graph}
     run = entities["#run"]
     assert run["object"] == {"@id": "config.yaml"}
+    assert "code of commit c0ffee; " in run["description"]
     assert {"@id": "dataset.parquet"} in run["result"]
     assert {"@id": "README.md"} not in run["result"]
     assert entities["./"]["datePublished"] == "2026-01-31"

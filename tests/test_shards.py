@@ -94,8 +94,9 @@ def test_one_case_per_job_is_possible():
     assert shards_of_block(3, 1) == [(0, 1), (1, 2), (2, 3)]
 
 
-def test_auto_makes_twenty_jobs_of_a_block_until_jobs_grow_too_long():
-    assert len(shards_of_block(100, "auto")) == 20
+def test_auto_makes_ten_jobs_of_a_block_until_jobs_grow_too_long():
+    assert len(shards_of_block(100, "auto")) == 10
+    assert len(shards_of_block(1000, "auto")) == 10
     assert len(shards_of_block(10_000, "auto")) == 100
 
 

@@ -14,6 +14,7 @@ import hashlib
 import json
 import os
 import platform
+import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -265,6 +266,39 @@ def versions() -> dict[str, str]:
     return found
 
 
+def source() -> dict | None:
+    """Commit of the repository that the package lies in, and whether files of it were changed.
+
+    None where it was installed without one, or there is no git to ask. For the reader alone: a
+    commit may change what no result depends on, so nothing is rerun for it.
+    """
+    root = Path(abradem.__path__[0]).parents[1]
+    if not (root / ".git").exists():
+        return None
+    try:
+        commit, changed = (
+            subprocess.run(
+                ["git", "-C", str(root), *words], capture_output=True, text=True, check=True
+            ).stdout.strip()
+            for words in (["rev-parse", "HEAD"], ["status", "--porcelain"])
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return {"commit": commit, "changed": bool(changed)}
+
+
+def environment() -> dict:
+    """System, processor and every package that is installed beside this one."""
+    from importlib.metadata import distributions
+
+    packages = {found.name: found.version for found in distributions() if found.name}
+    return {
+        "system": platform.platform(),
+        "machine": platform.machine(),
+        "packages": dict(sorted(packages.items(), key=lambda item: item[0].lower())),
+    }
+
+
 def write_text(text: str, path: str | Path) -> None:
     """Write a text file, complete or not at all."""
     path = Path(path)
@@ -286,9 +320,10 @@ def write_provenance(config: str, recorded: dict, config_path: Path, versions_pa
         The whole configuration as YAML, defaults filled in.
     recorded : dict
         Seed, `versions`, code hashes; no time stamps, so that the same run writes the same
-        bytes.
+        bytes. `source` and `environment` are added.
     config_path, versions_path : path
         Where they go.
     """
     write_text(config, config_path)
+    recorded = {**recorded, "source": source(), "environment": environment()}
     write_text(json.dumps(recorded, indent=2, sort_keys=True) + "\n", versions_path)

@@ -99,14 +99,17 @@ def test_the_later_of_two_transients_counts():
     rng = np.random.default_rng(16)
     time, _ = series(rng)
     noise = 0.02 * rng.normal(size=(2, time.size))
-    late = integral(time, np.where(time < 6.0, 3.0, 1.0) + noise[0])
-    early = np.where(time < 2.0, 200.0, 400.0) * (1.0 + noise[1])
-    found = steady_part(time, late, early, 5.5)
-    assert found.settled and found.time == pytest.approx(6.0, abs=0.2)
-    late = np.where(time < 6.0, 200.0, 400.0) * (1.0 + noise[1])
-    early = integral(time, np.where(time < 2.0, 3.0, 1.0) + noise[0])
-    found = steady_part(time, early, late, 5.5)
-    assert found.settled and found.time == pytest.approx(6.0, abs=0.2)
+    # The particles still change when the wear has settled, and the other way round.
+    for wear_ends, bed_ends in ((2.0, 6.0), (6.0, 4.0)):
+        worn = integral(time, np.where(time < wear_ends, 3.0, 1.0) + noise[0])
+        growing = np.where(time < bed_ends, 200.0, 400.0) * (1.0 + noise[1])
+        found = steady_part(time, worn, growing, 5.5)
+        assert found.settled
+        assert found.time == pytest.approx(max(wear_ends, bed_ends), abs=0.2)
+    # Still growing after the wear's transient, from a transient of their own that ended earlier.
+    worn = integral(time, np.where(time < 6.0, 3.0, 1.0) + noise[0])
+    slow = 300.0 + 6.0 * np.clip(time, 6.0, None) * (1.0 + noise[1])
+    assert steady_part(time, worn, slow, 5.5).time >= 6.0
 
 
 def test_a_late_transient_is_found_while_the_window_remains():
@@ -146,25 +149,44 @@ def test_a_change_after_a_steady_half_begins_the_part_anew():
     assert found.settled and found.time == pytest.approx(40.0, abs=0.2)
 
 
-def test_a_search_below_two_windows_is_that_of_the_half():
+@pytest.mark.parametrize(
+    "until, window, noise", [(9.0, 5.5, 0.05), (2.6, 1.1, 0.3), (3.6, 1.1, 0.3)]
+)
+def test_a_late_search_is_never_shorter_than_the_half(until, window, noise):
     """A drift that the first half does not end is not ended by a shorter search."""
-    time = np.arange(0.0, 9.01, 0.02)
+    time = np.arange(0.0, until + 0.01, 0.02)
     for seed in range(15):
-        noise = 0.05 * np.random.default_rng(seed).normal(size=time.size)
-        worn = integral(time, np.where(time < 0.3, 0.0, 1.0 - 0.03 * time + noise))
+        scatter = noise * np.random.default_rng(seed).normal(size=time.size)
+        worn = integral(time, np.where(time < 0.3, 0.0, 1.0 - 0.03 * time + scatter))
         half = steady_start(time, worn)
-        part = steady_part(time, worn, np.full(time.size, 400), 5.5)
+        part = steady_part(time, worn, np.full(time.size, 400), window)
         assert part.settled <= half.settled
         if part.settled:
             assert part == half
 
 
-@pytest.mark.parametrize("window", [0.01, 0.055, 0.3, 2.0])
-def test_short_windows_leave_enough_to_judge_by(window):
-    for until in (0.5, 1.06, 3.0, 9.0):
-        time = np.arange(0.0, until, 0.01)
-        part = steady_part(time, time**2, np.full(time.size, 40), window)
-        assert not part.settled and part.time <= time[-1]
+def test_short_windows_leave_enough_to_judge_by():
+    """A drift is none that ends with its last few bins."""
+    time = np.arange(0.0, 9.01, 0.02)
+    for seed in range(30):
+        noise = 0.1 * np.random.default_rng(seed).normal(size=time.size)
+        worn = integral(time, np.where(time < 0.3, 0.0, 1.0 - 0.08 * time + noise))
+        assert not steady_part(time, worn, np.full(time.size, 400), 0.3).settled
+
+
+@pytest.mark.parametrize("until", [0.1, 0.5, 1.06, 3.0])
+def test_a_short_record_is_judged_without_error(until):
+    time = np.arange(0.0, until, 0.01)
+    part = steady_part(time, time**2, np.full(time.size, 40), 0.055)
+    assert not part.settled and part.time <= time[-1]
+
+
+def test_a_part_too_short_for_its_batches_is_not_steady():
+    # 18 samples after the first wear.
+    time = np.arange(0.0, 1.91, 0.1)
+    worn = integral(time, np.where(time < 0.1, 0.0, 1.0))
+    assert steady_start(time, worn).settled
+    assert not steady_part(time, worn, np.full(time.size, 40), 5.5).settled
 
 
 def test_a_constant_end_is_found_exactly():

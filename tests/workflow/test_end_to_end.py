@@ -460,7 +460,7 @@ def test_a_bad_external_table_is_one_line_for_each_problem(project):
 def test_more_blocks_run_only_their_own_cases(project):
     assert project.pending(overlays=("studies/smoke_grown.yaml",)) == {
         "sample": 2, "simulate": 4, "wear_rates": 4, "join_cases": 1, "provenance": 1,
-        "replicates": 4, "figure_gallery": 1, "figure_flow": 1, **AFTER_WEAR_RATES,
+        "figure_gallery": 1, "figure_flow": 1, **AFTER_WEAR_RATES,
     }  # fmt: skip
 
 
@@ -468,7 +468,7 @@ def test_fewer_blocks_run_only_the_joins(project):
     overlays = project.overlay({"sampling": {"blocks": 1}, "figures": {"series_cases": [0, 1]}})
     pending = project.pending(overlays=overlays)
     assert pending == {
-        "join_cases": 1, "provenance": 1, "replicates": 4, **OF_SIMULATIONS, "figure_flow": 1,
+        "join_cases": 1, "provenance": 1, **OF_SIMULATIONS, "figure_flow": 1,
         **AFTER_WEAR_RATES,
     }  # fmt: skip
 

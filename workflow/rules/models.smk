@@ -197,8 +197,9 @@ if SIMULATED:
     # The same parts on every machine, so that the number of cores changes nothing.
     rule replicates:
         """Some cases simulated again with other seeds."""
+        # Of the first block, so that a study that grows or shrinks keeps them.
         input:
-            rules.join_cases.output,
+            expand(rules.sample.output, block=f"{BLOCKS[0]:03d}"),
         output:
             f"{RESULTS}/replicates/part-{{part}}.parquet",
         log:

@@ -29,7 +29,8 @@ ROUNDING = 1e-18
 LARGEST_CHANGE = 0.2
 """Change of wear rate or particles present over the steady part, as a share of their mean, above
 which it is none. The wear of a bed falls by up to 1.2 % where its particles grow by 1 %, so that
-the mean over the part can be off by a tenth; docs/method.md says by how much it is."""
+the mean over the part can differ by a tenth from that at its end. What fills more slowly is not
+seen; docs/method.md says by how much beds were off."""
 
 SIGNIFICANT = 3.0
 """Standard errors that such a change must have, lest chance keep few large stones unsteady."""
@@ -95,7 +96,7 @@ def steady_part(
 
 
 def _part(time, worn, summed, latest) -> SteadyStart:
-    """The steady part that begins at ``latest`` at the latest, by default in the first half."""
+    """The steady part by truncations up to ``latest``, see `steady_start`."""
     start, settled = steady_start(time, worn, latest)
     if settled and _changes(time, summed, start):
         bed = steady_start(time, summed, latest)
@@ -117,13 +118,14 @@ def steady_start(
     time, cumulative : ndarray, shape (n,)
         Sample times, s, and the cumulative series.
     latest : float, optional
-        Where the search ends, s; by default at the half of the record.
+        Where the search ends, s, at the half of the record at least, which is the default.
 
     Returns
     -------
     SteadyStart
         ``time`` in s; ``settled`` is False if nothing is worn yet or the minimum lies at the
-        end of the search, that is, the record still drifts. ``time`` is then that end.
+        end of the search, that is, the record still drifts. ``time`` is then that end, or the
+        half of the record if it is that short.
     """
     time = np.asarray(time, dtype=float)
     cumulative = np.asarray(cumulative, dtype=float)
@@ -139,7 +141,7 @@ def steady_start(
     increments = np.diff(np.interp(edges, time, cumulative))
     last = bins // 2
     if latest is not None:
-        last = int(max(min((latest - edges[0]) / BIN + 1e-9, bins - LEAST_BINS), 0.0))
+        last = max(last, int(min((latest - edges[0]) / BIN + 1e-9, bins - LEAST_BINS)))
     best = _truncation(increments, last)
     return SteadyStart(float(max(edges[best], first)), best < last)
 

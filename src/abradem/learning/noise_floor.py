@@ -37,7 +37,7 @@ def choose_cases(cases: pd.DataFrame, count: int) -> pd.DataFrame:
     Parameters
     ----------
     cases : pandas.DataFrame
-        All cases of a study.
+        The cases of a study's first block.
     count : int
     """
     sound = cases[cases["rejected"] == ""].sort_values("particle_radius", ignore_index=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from abradem.publish.description import LICENCE, LICENCE_NAME, LICENCE_URL, Description, File
 
 PROFILE = "https://w3id.org/ro/wfrun/process/0.5"
+SHA256 = "https://w3id.org/ro/terms/workflow-run#sha256"
 PYTHON = "https://www.python.org/"
 INPUT = "config.yaml"
 ABOUT = ("README.md", "croissant.json")
@@ -56,7 +57,8 @@ def crate(description: Description) -> dict:
         "name": f"Run of the study {description.study}",
         "description": (
             f"snakemake with config.yaml of this crate, seed {description.versions['seed']}; "
-            "versions.json holds a hash of the code of every step"
+            f"{_source(description)}versions.json holds a hash of the code of every step and all "
+            "packages of the environment"
         ),
         "instrument": {"@id": "#abradem"},
         "agent": {"@id": creators[0]["@id"]},
@@ -73,7 +75,8 @@ def crate(description: Description) -> dict:
         "softwareRequirements": _ids(packages),
     }
     return {
-        "@context": "https://w3id.org/ro/crate/1.1/context",
+        # The context of RO-Crate 1.1 knows no hash; the profile's does.
+        "@context": ["https://w3id.org/ro/crate/1.1/context", {"sha256": SHA256}],
         "@graph": [
             {
                 "@id": "ro-crate-metadata.json",
@@ -102,6 +105,14 @@ def crate(description: Description) -> dict:
             *map(_file, description.files),
         ],
     }
+
+
+def _source(description: Description) -> str:
+    """Where the code stood, where it came from a repository."""
+    source = description.versions.get("source")
+    if not source:
+        return ""
+    return f"code of commit {source['commit']}{' with changes' if source['changed'] else ''}; "
 
 
 def _ids(entities: list[dict]) -> list[dict] | dict:

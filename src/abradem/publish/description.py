@@ -28,7 +28,7 @@ _WORDS = {
     "cases.parquet": "Parameter sets of all cases, also of those that gave no rate",
     "failures.parquet": "Cases that gave no wear rate, and why",
     "config.yaml": "Configuration of the run, defaults filled in",
-    "versions.json": "Versions of the packages, seed, hashes of the code of each step",
+    "versions.json": "Versions of all packages, commit, seed, hashes of the code of each step",
     "summary.json": "Headline numbers",
 }
 _FOLDER_WORDS = {
