@@ -53,6 +53,20 @@ def size(paths) -> int:
     return sum(path.stat().st_size for path in paths if path.is_file())
 
 
+def presence(folder: Path, study: Study) -> pd.DataFrame:
+    """Processor time of every case, and stones present times steps, what a crowd's cost follows."""
+    found = []
+    for job, runs, times in zip(study.jobs, study.runs, study.times, strict=True):
+        series = read_table(folder / "series" / f"{job}.parquet", ("case_id", "particles_present"))
+        mean = series.groupby("case_id")["particles_present"].mean().rename("present")
+        steps = (runs["simulated_time"] / runs["time_step"]).rename("steps")
+        table = runs[["case_id"]].join(steps).merge(times, on="case_id").join(mean, on="case_id")
+        found.append(table)
+    cases = pd.concat(found, ignore_index=True)
+    cases["stone_steps"] = cases["present"].fillna(0.0) * cases["steps"].fillna(0.0)
+    return cases
+
+
 def main() -> None:
     """Print a line for each figure."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -78,9 +92,19 @@ def main() -> None:
         f"most {seconds.max():.0f} s of computing; the dearest hundredth takes "
         f"{100 * seconds.nlargest(max(1, len(seconds) // 100)).sum() / seconds.sum():.0f} % of all"
     )
+    cases = presence(folder, study)
+    dear = cases.nlargest(max(1, len(cases) // 100), "processor_time")
+    each = 1e9 * dear["processor_time"] / dear["stone_steps"]
+    print(
+        f"stones present times steps: {cases['stone_steps'].sum() / 1e9:.0f} billion; in the "
+        f"dearest hundredth {dear['stone_steps'].sum() / 1e9:.0f} billion, of "
+        f"{1e9 * dear['processor_time'].sum() / dear['stone_steps'].sum():.0f} ns each "
+        f"({each.min():.0f} to {each.max():.0f} in single cases)"
+    )
     print(
         f"jobs: {len(jobs)}, the dearest {dearest:.0f} s of computing, "
-        f"together {jobs['s'].sum():.0f} s on the wall"
+        f"together {jobs['s'].sum():.0f} s on the wall, "
+        f"{100 * (jobs['s'].sum() / seconds.sum() - 1):.1f} % more than their cases took"
     )
     print(f"memory of a job: at most {jobs['max_rss'].max():.0f} MB")
     print(f"series, maps, runs, rates and cases: {stored / len(runs) / 1e3:.0f} kB a case")

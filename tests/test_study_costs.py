@@ -47,7 +47,11 @@ def finished(tmp_path):
             times = part[["case_id"]].assign(processor_time=seconds[start:stop])
             write_table(runs, folder / "runs" / f"{job}.parquet")
             write_table(times, folder / "benchmarks" / "cases" / f"{job}.parquet")
-            for name in ("series", "maps", "wear_rates"):
+            series = part[["case_id"]].loc[part.index.repeat(2)]
+            # From 0 to 80 stones: 40 present on average.
+            series = series.assign(particles_present=np.tile([0, 80], len(part)))
+            write_table(series, folder / "series" / f"{job}.parquet")
+            for name in ("maps", "wear_rates"):
                 write_table(part[["case_id"]], folder / name / f"{job}.parquet")
             record = folder / "benchmarks" / "simulate" / f"{job}.tsv"
             record.parent.mkdir(parents=True, exist_ok=True)
@@ -73,6 +77,12 @@ def test_the_figures_of_a_study_are_those_of_its_tables(finished, monkeypatch, c
     # 120 cases of 6 s in steps of 2 us, 500 stones each.
     assert "simulated: 720 s, 0.36 billion steps" in said
     assert "stones released: 0.06 million" in said
+    # 40 of them in each of 3 million steps of a case; the dearest hundredth is one case.
+    dearest = 3.0 * guess.max()
+    assert "stones present times steps: 14 billion; in the dearest hundredth 0 billion" in said
+    assert f"of {1e9 * dearest / (40 * 3e6):.0f} ns each" in said
+    more = 100.0 * (400.0 / jobs.sum() - 1.0)
+    assert f"{more:.1f} % more than their cases took" in said
     assert f"computing: {jobs.sum():.0f} s" in said
     assert f"jobs: 4, the dearest {jobs.max():.0f} s" in said and "400 s on the wall" in said
     assert "at most 252 MB" in said
