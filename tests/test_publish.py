@@ -134,6 +134,7 @@ def test_the_card_names_every_column_range_licence_and_author(made):
         "CC-BY-4.0",
         "Ada, Bo (2026)",
         "12 cases of 13 drawn",
+        "**Beds.**",
         "no wear",
     ):
         assert text in card

@@ -23,6 +23,14 @@ STEP_BIAS = {
 """Largest bias of the mean rates by the time step, as a share of the Rayleigh time: over angles,
 speeds and restitutions of single impacts and in a dilute jet, from the verification study."""
 
+BEDS = (
+    "On nearly level plates small stones lie in a bed that shields the plate and may fill for many "
+    "seconds. A rate is taken when wear and particles present have stopped to change by more than "
+    "20 %; of beds that were simulated for longer, single ones were off by up to 8 %, which is "
+    "more than their standard error says."
+)
+"""What is known of the rates of beds: benchmarks/windows.py, docs/method.md."""
+
 FLAGS = {
     "overlap": "an overlap exceeded 5 % of the radius, which strains the contact law",
     "shortfall": "less than 95 % of the feed found room at the factory",
@@ -205,6 +213,7 @@ def _limits(said: Description) -> Iterable[str]:
             if untouched
             else "."
         ),
+        f"- **Beds.** {BEDS}",
         "- **Time step.** "
         + (
             f"At {step:g} of the Rayleigh time it biases {bias}."
