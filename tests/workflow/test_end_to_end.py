@@ -497,6 +497,33 @@ def test_growing_shrinking_and_another_study_leave_finished_simulations_alone(pr
     assert project.pending("simulation", overlays=grown) == {"provenance": 1, "simulation": 1}
 
 
+def test_two_studies_at_once_in_one_folder_make_what_each_makes_alone(project):
+    """The smoke study under two other names, in runs that begin together."""
+    names = ("left", "right")
+    overlays = {}
+    for name in names:
+        # An overlay's place is the same for all, so each gets one of its own.
+        overlays[name] = (SMOKE, project.root / f"{name}.yaml")
+        overlays[name][1].write_text(f"study: {name}\n", encoding="utf-8")
+    runs = [
+        subprocess.Popen(
+            project.command("simulation", "--cores", "1", overlays=overlays[name]),
+            cwd=project.root, env=project.environment, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        )
+        for name in names
+    ]  # fmt: skip
+    for run in runs:
+        said, _ = run.communicate(timeout=600)
+        assert run.returncode == 0, said
+    for name in names:
+        for part in ("cases", "series", "maps", "runs"):
+            together = sorted((project.root / "results" / name / part).glob("block-*.parquet"))
+            assert len(together) == (2 if part == "cases" else SHARDS)
+            for path in together:
+                assert path.read_bytes() == (project.results / part / path.name).read_bytes()
+
+
 # On demand
 
 
