@@ -83,6 +83,8 @@ def main() -> None:
     stored = size(folder / name / f"{job}.parquet" for name in STORED for job in study.jobs)
     stored += size((folder / "cases").glob("*.parquet"))
     files = [path for path in folder.rglob("*") if path.is_file()]
+    cases = presence(folder, study)
+    dear = cases.nlargest(max(1, len(cases) // 100), "processor_time")
     print(f"cases: {len(runs)}, simulated: {(runs['status'] == 'ok').sum()}")
     print(f"simulated: {runs['simulated_time'].sum():.0f} s, {steps / 1e9:.2f} billion steps")
     print(f"stones released: {runs['released'].sum() / 1e6:.2f} million")
@@ -90,10 +92,8 @@ def main() -> None:
     print(
         f"a case: mean {seconds.mean():.2f}, median {seconds.median():.2f}, "
         f"most {seconds.max():.0f} s of computing; the dearest hundredth takes "
-        f"{100 * seconds.nlargest(max(1, len(seconds) // 100)).sum() / seconds.sum():.0f} % of all"
+        f"{100 * dear['processor_time'].sum() / seconds.sum():.0f} % of all"
     )
-    cases = presence(folder, study)
-    dear = cases.nlargest(max(1, len(cases) // 100), "processor_time")
     each = 1e9 * dear["processor_time"] / dear["stone_steps"]
     print(
         f"stones present times steps: {cases['stone_steps'].sum() / 1e9:.0f} billion; in the "

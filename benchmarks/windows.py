@@ -23,8 +23,8 @@ import yaml
 from abradem.config import load_config, setup_dict
 from abradem.dataset import read_table
 from abradem.dem import simulate
-from abradem.dem.simulation import CHECK_GROWTH, MAPS_PER_WINDOW
-from abradem.dem.steady import batch_means, steady_part
+from abradem.dem.simulation import CHECK_GROWTH, MAPS_PER_WINDOW, Steady
+from abradem.dem.steady import batch_means
 from abradem.shards import case_from_row, setup_from_dict
 
 SHORTER = (1.0, 2.0, 3.0)
@@ -50,19 +50,13 @@ def stopped_rate(time, worn, present, window: float, target: float):
             continue
         look = np.searchsorted(time, time[k] * CHECK_GROWTH)
         past = slice(k + 1)
-        start = steady_part(
-            time[past], worn[past], present[past], (maps_in_window + 1) * map_interval
-        )
-        first_map = math.ceil(start.time / map_interval - 1e-9)
-        found = batch_means(time[past], worn[past], first_map * map_interval)
-        known = found.batches > 0 and found.rate > 0.0
-        stderr = found.stderr / found.rate if known else math.inf
-        if not start.settled:
+        steady = Steady(time[past], worn[past], present[past], maps_in_window, map_interval)
+        if not steady.settled:
             look = min(look, k + map_samples)
-        elif first_map + maps_in_window > k // map_samples:
-            look = min(look, (first_map + maps_in_window) * map_samples)
-        elif stderr <= target:
-            return found.rate, stderr, time[k]
+        elif not steady.complete(k // map_samples + 1):
+            look = min(look, steady.last_map * map_samples)
+        elif steady.relative_stderr <= target:
+            return steady.rate, steady.relative_stderr, time[k]
     return math.nan, math.nan, math.nan
 
 

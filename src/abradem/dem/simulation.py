@@ -115,10 +115,10 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
             progress(float(time[sample]))
         if sample >= look:
             look = int(np.searchsorted(time, time[sample] * CHECK_GROWTH))
-            steady = _Steady(record, time[: sample + 1], window_maps, map_interval)
+            steady = _steady(record, time[: sample + 1], window_maps, map_interval)
             if not steady.settled:
                 look = min(look, sample + map_samples)
-            elif not steady.complete(maps):
+            elif not steady.complete(len(maps)):
                 # Nothing but the rest of the window is missing, as far as is known.
                 look = min(look, steady.last_map * map_samples)
             elif steady.relative_stderr <= setup.target_stderr:
@@ -256,11 +256,10 @@ def _room(problem: Problem, setup: Setup) -> float:
     return math.prod(sides) / (4.0 / 3.0 * math.pi * problem.radius**3)
 
 
-class _Steady:
+class Steady:
     """The steady part of a record: where it begins and how well the rate is known."""
 
-    def __init__(self, record: Record, time, window_maps: int, map_interval: float):
-        total, present = record.worn[: time.size, 0], record.present[: time.size]
+    def __init__(self, time, total, present, window_maps: int, map_interval: float):
         # Its start is moved on to the next map.
         start = steady_part(time, total, present, (window_maps + 1) * map_interval)
         self.settled = start.settled
@@ -268,20 +267,26 @@ class _Steady:
         self.last_map = self.first_map + window_maps
         self.start = self.first_map * map_interval
         self.window_end = self.last_map * map_interval
-        rate = batch_means(time, total, self.start)
-        known = rate.batches > 0 and rate.rate > 0.0
-        self.relative_stderr = rate.stderr / rate.rate if known else math.inf
+        found = batch_means(time, total, self.start)
+        known = found.batches > 0 and found.rate > 0.0
+        self.rate = found.rate
+        self.relative_stderr = found.stderr / found.rate if known else math.inf
 
-    def complete(self, maps: list) -> bool:
-        """Whether the window after its start lies within the record."""
-        return self.last_map < len(maps)
+    def complete(self, maps: int) -> bool:
+        """Whether the window after its start lies within a record with so many maps."""
+        return self.last_map < maps
+
+
+def _steady(record: Record, time, window_maps: int, map_interval: float) -> Steady:
+    past = slice(time.size)
+    return Steady(time, record.worn[past, 0], record.present[past], window_maps, map_interval)
 
 
 def _result(
     case, setup, problem, state, status, time, record, maps, window_maps, map_interval
 ) -> SimulationResult:
-    steady = _Steady(record, time, window_maps, map_interval)
-    complete = steady.complete(maps)
+    steady = _steady(record, time, window_maps, map_interval)
+    complete = steady.complete(len(maps))
     if complete:
         facet_wear = maps[steady.last_map] - maps[steady.first_map]
         window = (steady.start, steady.window_end)

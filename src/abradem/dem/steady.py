@@ -100,9 +100,9 @@ def _part(time, worn, summed, latest) -> SteadyStart:
     start, settled = steady_start(time, worn, latest)
     if settled and _changes(time, summed, start):
         bed = steady_start(time, summed, latest)
-        start, settled = max(start, bed.time), bed.settled
-    steady = not (_changes(time, summed, start) or _changes(time, worn, start))
-    return SteadyStart(start, settled and steady)
+        start = max(start, bed.time)
+        settled = bed.settled and not _changes(time, summed, start)
+    return SteadyStart(start, settled and not _changes(time, worn, start))
 
 
 def steady_start(
