@@ -1,7 +1,7 @@
 """From the ranges in config.yaml to a wear data set, models, figures and a report.
 
 snakemake                                               the study of config.yaml
-snakemake --configfile config.yaml studies/smoke.yaml   another study, an overlay on it
+snakemake --configfile config.yaml studies/smoke.yaml   another study, an override file on it
 snakemake dataset                                       up to one stage
 snakemake verification                                  the engine against what is known
 snakemake movie | vtk | paper                           a film, files for ParaView, a PDF
@@ -14,6 +14,7 @@ from pathlib import Path
 
 try:
     import abradem.config
+    import abradem.running.effort
 except ModuleNotFoundError as error:
     sys.exit(
         f"{error.name} is not installed in {sys.executable}: "
@@ -48,17 +49,14 @@ if SIMULATED:
 
     include: "workflow/rules/sampling.smk"
     include: "workflow/rules/simulation.smk"
+    include: "workflow/rules/wear.smk"
     include: "workflow/rules/dataset.smk"
-    include: "workflow/rules/scenes.smk"
-    include: "workflow/rules/figures_simulation.smk"
-    include: "workflow/rules/movie.smk"
-    include: "workflow/rules/vtk.smk"
 
     STAGES_OF_SIMULATION = [
         rules.sampling.input,
         rules.simulation.input,
         rules.failures.output,
-        rules.exports.input,
+        rules.snapshots.input,
     ]
 
 else:
@@ -68,10 +66,11 @@ else:
     STAGES_OF_SIMULATION = []
 
 
+include: "workflow/rules/baselines.smk"
+include: "workflow/rules/physical.smk"
 include: "workflow/rules/learning.smk"
-include: "workflow/rules/models.smk"
+include: "workflow/rules/running.smk"
 include: "workflow/rules/figures.smk"
-include: "workflow/rules/paper.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/verification.smk"
 
@@ -95,7 +94,6 @@ rule all:
         STAGES_OF_SIMULATION,
         rules.dataset.output,
         rules.learning.input,
-        rules.models.input,
         rules.figures.input,
         rules.documents.input,
 
@@ -105,7 +103,7 @@ onstart:
         sys.exit(
             f"{RESULTS}: {RUN_LOCK.holder()} is at work here; wait for its end"
         )
-    print(abradem.config.estimate(CONFIG, workflow.cores), file=sys.stderr)
+    print(abradem.running.effort.estimate(CONFIG, workflow.cores), file=sys.stderr)
     lift_rate_limit(workflow.scheduler)
     MONITOR.start(to_simulate(workflow.dag.needrun_jobs()))
 

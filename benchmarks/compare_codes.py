@@ -37,7 +37,7 @@ from abradem.verification.codes import (
     jet_releases,
     read,
 )
-from abradem.verification.scenes import NOMINAL_SPEED, STEEL, STONE, STONE_RADIUS, Scene
+from abradem.verification.scenes import NOMINAL_SPEED, PARTICLE, PARTICLE_RADIUS, STEEL, Scene
 
 ANGLES = (0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 85.0)
 FORCE_ANGLES = (30.0, 60.0)
@@ -45,7 +45,7 @@ SCRIPTS = Path(__file__).parent / "other_codes"
 STEP = 1e-8
 MU = 0.45
 MASS = Scene().mass
-E_STAR = exact.effective_youngs_modulus(STONE, STEEL)
+E_STAR = exact.effective_youngs_modulus(PARTICLE, STEEL)
 GRAVITY = 9.81
 THIN = 1e-4
 """Thickness of the plate where a code wants a solid box, m."""
@@ -63,12 +63,12 @@ def approach(angle):
     """Normal and tangential speed of an impact, height of its start and number of steps."""
     v_n = NOMINAL_SPEED * math.cos(math.radians(angle))
     v_t = NOMINAL_SPEED * math.sin(math.radians(angle))
-    steps = int(1.7 * exact.hertz(E_STAR, STONE_RADIUS, MASS, v_n).duration / STEP)
-    return v_n, v_t, STONE_RADIUS + 2.5 * v_n * STEP, steps
+    steps = int(1.7 * exact.hertz(E_STAR, PARTICLE_RADIUS, MASS, v_n).duration / STEP)
+    return v_n, v_t, PARTICLE_RADIUS + 2.5 * v_n * STEP, steps
 
 
 def release_steps():
-    """(step, place, velocity) of every stone of the jet."""
+    """(step, place, velocity) of every particle of the jet."""
     times, places, velocities = jet_releases()
     steps = np.rint(times / JET_STEP).astype(int)
     return list(zip(steps.tolist(), places.tolist(), velocities.tolist(), strict=True))
@@ -80,7 +80,7 @@ def impact_row(code, variant, e, mu_r, angle, track, wear=math.nan):
     ``wear`` is what the code itself counts as F_n ds, J.
     """
     vx, vy, spin, fx, fy = np.asarray(track, dtype=float).T
-    slip = vx - STONE_RADIUS * spin
+    slip = vx - PARTICLE_RADIUS * spin
     before = NOMINAL_SPEED * math.sin(math.radians(angle))
     touching = np.flatnonzero((fy != 0.0) | (fx != 0.0))
     return {
@@ -106,10 +106,10 @@ def force_rows(code, variant, angle, track):
 
 
 def jet_row(code, variant, velocities):
-    """One row of the jet's table from the velocities at the end, shape (stones, 3)."""
+    """One row of the jet's table from the velocities at the end, shape (particles, 3)."""
     normal, tangential = jet_impulse(np.asarray(velocities, dtype=float))
     return {"code": code, "variant": variant, "normal_impulse": normal,
-            "tangential_impulse": tangential, "stones": len(velocities)}  # fmt: skip
+            "tangential_impulse": tangential, "particles": len(velocities)}  # fmt: skip
 
 
 # LIGGGHTS
@@ -147,8 +147,8 @@ LIGGGHTS_VARIANTS = {
 
 def _liggghts_head(e, mu_r, options, region, skin, dt):
     return LIGGGHTS_HEAD.format(
-        region=region, skin=skin, e1=STONE.youngs_modulus, e2=STEEL.youngs_modulus,
-        nu1=STONE.poisson_ratio, nu2=STEEL.poisson_ratio, e=e, mu=MU, mur=mu_r, dt=dt,
+        region=region, skin=skin, e1=PARTICLE.youngs_modulus, e2=STEEL.youngs_modulus,
+        nu1=PARTICLE.poisson_ratio, nu2=STEEL.poisson_ratio, e=e, mu=MU, mur=mu_r, dt=dt,
         options=" ".join(options),
     )  # fmt: skip
 
@@ -161,7 +161,7 @@ def liggghts_impact(program, variant, e, mu_r, angle):
         _liggghts_head(e, mu_r, options, region, 0.002, STEP)
         + f"""
 create_atoms 1 single 0 {start!r} 0 units box
-set atom 1 diameter {2 * STONE_RADIUS} density {STONE.density} vx {v_t!r} vy {-v_n!r} vz 0
+set atom 1 diameter {2 * PARTICLE_RADIUS} density {PARTICLE.density} vx {v_t!r} vy {-v_n!r} vz 0
 fix wall all wall/gran model hertz tangential history {options[0]} &
     primitive type 2 yplane 0.0 {options[1]}
 fix move all nve/sphere
@@ -215,7 +215,7 @@ def liggghts_jet(program, variant):
         now = step
         lines.append("create_atoms 1 single {:.17g} {:.17g} {:.17g} units box".format(*place))
         lines.append(
-            f"set atom {i + 1} diameter {2 * STONE_RADIUS} density {STONE.density} "
+            f"set atom {i + 1} diameter {2 * PARTICLE_RADIUS} density {PARTICLE.density} "
             "vx {:.17g} vy {:.17g} vz {:.17g}".format(*velocity)
         )
     lines += [
@@ -280,9 +280,9 @@ def has(python, module):
 def materials_of(e):
     """What an impact or the jet is made of."""
     return {
-        "e1": STONE.youngs_modulus, "nu1": STONE.poisson_ratio, "rho": STONE.density,
+        "e1": PARTICLE.youngs_modulus, "nu1": PARTICLE.poisson_ratio, "rho": PARTICLE.density,
         "e2": STEEL.youngs_modulus, "nu2": STEEL.poisson_ratio, "mu": MU, "e": e,
-        "radius": STONE_RADIUS,
+        "radius": PARTICLE_RADIUS,
     }  # fmt: skip
 
 
@@ -312,8 +312,8 @@ LAMMPS_VARIANT = "incremental, capped, clipped"
 
 def _lammps_law(e, mu, other=STEEL):
     """k_n = 4/3 E*, damping for e, k_t = 8 G*, damped in the ratio of the stiffnesses."""
-    e_star = exact.effective_youngs_modulus(STONE, other)
-    g_star = exact.effective_shear_modulus(STONE, other)
+    e_star = exact.effective_youngs_modulus(PARTICLE, other)
+    g_star = exact.effective_shear_modulus(PARTICLE, other)
     ratio = math.sqrt(8.0 * g_star / (2.0 * e_star))
     return (
         f"hertz {4.0 / 3.0 * e_star!r} {e} damping coeff_restitution "
@@ -338,7 +338,7 @@ def lammps_impacts(python, e):
         v_n, v_t, start, steps = approach(angle)
         setup = f"""{_lammps_head("-0.1 0.1 -0.02 0.1 -0.1 0.1")}
 create_atoms 1 single 0 {start!r} 0 units box
-set atom 1 diameter {2 * STONE_RADIUS} density {STONE.density} vx {v_t!r} vy {-v_n!r} vz 0
+set atom 1 diameter {2 * PARTICLE_RADIUS} density {PARTICLE.density} vx {v_t!r} vy {-v_n!r} vz 0
 neighbor 0.002 bin
 pair_style granular
 pair_coeff * * {_lammps_law(e, MU)}
@@ -358,7 +358,7 @@ def lammps_jet(python):
     setup = f"""{_lammps_head("-8 4 -8 4 -3 3")}
 neighbor 0.02 nsq
 pair_style granular
-pair_coeff * * {_lammps_law(0.5, MU, STONE)}
+pair_coeff * * {_lammps_law(0.5, MU, PARTICLE)}
 region plate block {-half} {half} {-THIN} 0 {-half} {half} side out units box
 fix wall all wall/gran/region granular {_lammps_law(0.5, MU)} region plate
 fix g all gravity {GRAVITY} vector {-sin!r} {-cos!r} 0
@@ -370,7 +370,7 @@ timestep {JET_STEP}"""
         vx, vy, vz = into @ velocity
         lines = [
             f"create_atoms 1 single {x:.17g} {y:.17g} {z:.17g} units box",
-            f"set atom {i + 1} diameter {2 * STONE_RADIUS} density {STONE.density} "
+            f"set atom {i + 1} diameter {2 * PARTICLE_RADIUS} density {PARTICLE.density} "
             f"vx {vx:.17g} vy {vy:.17g} vz {vz:.17g}",
         ]
         releases.append((step, lines))

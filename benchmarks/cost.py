@@ -2,13 +2,13 @@
 
     python benchmarks/cost.py results/benchmarks
 
-writes ``counts.csv`` (cost against the stones present, by us and by installed peers), ``times.csv``
+writes ``counts.csv`` (cost against the particles present, by us and by installed peers), ``times.csv``
 (cost against simulated time), ``rates.csv`` (steps of particles and contacts a second, share of
 the limit), ``contact.csv`` (cost of one contact in one step) and their figures. With ``--images``
 small copies of the figures go into a second folder.
 
 The limit is the number of steps of particles in contact, of contacts with the plate and of
-contacts between stones, each times what it costs where nothing else happens: dozens of stones
+contacts between particles, each times what it costs where nothing else happens: dozens of particles
 that all touch, in the processor's nearest memory.
 """
 
@@ -24,18 +24,18 @@ import numba
 import numpy as np
 import pandas as pd
 from peers import PEERS, installed, pour, timed_run
-from speed import SCENARIOS, WIDE, machine, repeated, stone
+from speed import SCENARIOS, WIDE, machine, particle, repeated
 
 from abradem import Setup, simulate
-from abradem.dataset import replacing
 from abradem.dem.state import GONE, TOUCHING
 from abradem.dem.warm import warm
-from abradem.figures import engine as figures
+from abradem.figures import speed as figures
 from abradem.figures import style
+from abradem.store.files import replacing
 
 RATES = (30.0, 100.0, 300.0, 1000.0, 3000.0)
 MOST_FOR_PEERS = 1000.0
-"""Stones a second; peers take minutes for more."""
+"""Particles a second; peers take minutes for more."""
 
 COUNT_SECONDS = 1.0
 LOOKS = 10_000
@@ -47,7 +47,7 @@ STEPPINGS = ("islands", "synchronous")
 
 
 class Census:
-    """Counts stones and contacts at regular times; a recorder of `abradem.simulate`."""
+    """Counts particles and contacts at regular times; a recorder of `abradem.simulate`."""
 
     def __init__(self, interval: float):
         self.interval = interval
@@ -68,8 +68,8 @@ class Census:
         )
 
     def means(self) -> dict:
-        """Mean numbers of stones present, stones in contact, contacts with the plate, pairs."""
-        names = ("stones", "touching", "plate", "pairs")
+        """Mean numbers of particles present, particles in contact, contacts with the plate, pairs."""
+        names = ("particles", "touching", "plate", "pairs")
         return dict(zip(names, np.mean(self.rows, axis=0).tolist(), strict=True))
 
 
@@ -84,10 +84,10 @@ def shortest(case, setup, releases=None) -> float:
 
 
 def counts() -> pd.DataFrame:
-    """Cost of a simulated second against the stones present, by feed, plate angle and code."""
+    """Cost of a simulated second against the particles present, by feed, plate angle and code."""
     rows = []
     for angle in (45.0, 0.0):
-        case = stone(0.01, angle)
+        case = particle(0.01, angle)
         for rate in RATES:
             setup = Setup(**WIDE | {"number_rate": rate, "duration": COUNT_SECONDS})
             poured = pour(case, setup)
@@ -97,7 +97,7 @@ def counts() -> pd.DataFrame:
                     skin = (1.0 if angle == 0.0 else 2.0) * case.particle_radius
                     costs[peer.name] = timed_run(peer, case, setup, poured, skin).cpu
             rows += [
-                {"plate_angle": angle, "number_rate": rate, "stones": poured.stones.mean(),
+                {"plate_angle": angle, "number_rate": rate, "particles": poured.present.mean(),
                  "code": code, "cost": spent / COUNT_SECONDS}
                 for code, spent in costs.items()
             ]  # fmt: skip
@@ -143,7 +143,7 @@ def clock_rate() -> float:
 
 
 def touching_scene(kind: str):
-    """Case, set-up and releases of 64 stones that all touch for the whole simulation.
+    """Case, set-up and releases of 64 particles that all touch for the whole simulation.
 
     The step is so short that a contact lasts tens of thousands of steps. ``plate``: each meets
     the plate on its own; ``pairs``: 32 pairs collide; ``rows``: 8 rows of 8 are pressed together,
@@ -168,7 +168,7 @@ def touching_scene(kind: str):
     if kind != "plate":
         y = y + 0.1
     places = np.stack([x - x.mean(), y, z - z.mean()], axis=1)
-    return stone(radius, 0.0), setup, (np.zeros(64), places, np.stack([vx, vy, vz], axis=1))
+    return particle(radius, 0.0), setup, (np.zeros(64), places, np.stack([vx, vy, vz], axis=1))
 
 
 def contact_costs() -> dict:
@@ -209,7 +209,7 @@ def rates(costs: dict, seconds: float | None) -> pd.DataFrame:
             spent = shortest(scenario.case, replace(setup, stepping=stepping))
             rows.append(
                 {"scenario": name, "stepping": stepping, "seconds": spent,
-                 "particle_steps": steps * mean["stones"] / spent,
+                 "particle_steps": steps * mean["particles"] / spent,
                  "contact_steps": steps * (mean["plate"] + mean["pairs"]) / spent,
                  "limit_seconds": limit, "share_of_limit": limit / spent}
                 | {f"mean_{key}": value for key, value in mean.items()}

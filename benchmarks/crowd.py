@@ -13,19 +13,19 @@ from pathlib import Path
 
 import numpy as np
 
-from abradem.cli import find_case
+from abradem.cli.main import find_case
 from abradem.config import read_config, setup_dict
+from abradem.dem.model import Case, Setup
 from abradem.dem.simulation import _Engine
 from abradem.dem.state import DONE, GONE, make_problem
-from abradem.shards import case_from_row, setup_from_dict
 
 STEPS, ROUNDS = 5000, 5
 
 
 def crowd_after(study: Path, case: int, seconds: float) -> _Engine:
     """Return the engine of a case of a study, advanced to a simulated time."""
-    setup = setup_from_dict(setup_dict(read_config(study / "config.yaml")))
-    problem, schedule = make_problem(case_from_row(find_case(study, case)), setup)
+    setup = Setup.from_dict(setup_dict(read_config(study / "config.yaml")))
+    problem, schedule = make_problem(Case.from_row(find_case(study, case)), setup)
     engine = _Engine(problem, schedule, setup.stepping)
     outcome = engine.advance(round(seconds / problem.dt))
     if outcome != DONE:
@@ -55,15 +55,15 @@ def main() -> None:
     engine = crowd_after(chosen.study, chosen.case, chosen.after)
     best = min(seconds_per_step(engine, STEPS) for _ in range(ROUNDS))
     tally = engine.state.tally[0]
-    stones = engine.state.particles[: tally["live"]]
-    present = np.count_nonzero(stones["motion"] != GONE)
+    particles = engine.state.particles[: tally["live"]]
+    present = np.count_nonzero(particles["motion"] != GONE)
     print(
-        f"case {chosen.case} after {chosen.after:g} s: {present} stones, "
-        f"{np.count_nonzero(stones['plate_stiffness'])} on the plate, "
+        f"case {chosen.case} after {chosen.after:g} s: {present} particles, "
+        f"{np.count_nonzero(particles['plate_stiffness'])} on the plate, "
         f"{np.count_nonzero(engine.state.pairs['stiffness'][: tally['pairs']])} contacts between "
-        f"stones of {tally['pairs']} pairs listed"
+        f"particles of {tally['pairs']} pairs listed"
     )
-    print(f"{1e6 * best:.1f} us a step, {1e9 * best / present:.1f} ns a stone")
+    print(f"{1e6 * best:.1f} us a step, {1e9 * best / present:.1f} ns a particle")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
     python benchmarks/explain_differences.py
 
 prints, for every code, law and restitution of tests/data/codes, the largest difference of any
-quantity (of its largest value over the angles) from the law integrated anew under our choices,
+quantity (of its largest value over the angles) from the law integrated again under our choices,
 with each of the other code's choices alone, and with all of them.
 """
 

@@ -24,7 +24,7 @@ from itertools import pairwise
 import numpy as np
 import torch
 
-from abradem.learning.genetic import Options, Problem, search, train_again, usable_cores
+from abradem.learning.baselines.genetic import Options, Problem, search, train_again, usable_cores
 from abradem.learning.network import Training
 
 LIMIT = 100.0

@@ -1,6 +1,6 @@
 """Draw when the particles of a small scene are stepped: python benchmarks/islands_in_time.py PNG.
 
-A dozen stones on a small plate, looked at after every lattice step through the engine's state:
+A dozen particles on a small plate, looked at after every lattice step through the engine's state:
 which are asleep, which touch the plate, which touch each other.
 """
 
@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from cost import save_image
-from speed import stone
+from speed import particle
 
 from abradem import Setup
 from abradem.dem.simulation import _Engine
 from abradem.dem.state import make_problem
-from abradem.figures import engine as figures
+from abradem.figures import speed as figures
 
-ASLEEP, AWAKE, PLATE, STONE, ABSENT = range(5)
-NAMES = ("asleep", "awake", "plate", "stone")
+ASLEEP, AWAKE, PLATE, PARTICLE, ABSENT = range(5)
+NAMES = ("asleep", "awake", "plate", "particle")
 
 
 def watched(case, setup):
@@ -31,7 +31,7 @@ def watched(case, setup):
     Returns
     -------
     spans, contacts : DataFrame
-        As `abradem.figures.engine.islands_figure` takes them.
+        As `abradem.figures.speed.islands_figure` takes them.
     """
     problem, schedule = make_problem(case, setup)
     engine = _Engine(problem, schedule, "islands")
@@ -48,7 +48,7 @@ def watched(case, setup):
         touching = set()
         for pair in state.pairs[: int(state.tally["pairs"][0])]:
             if pair["stiffness"] != 0.0:
-                now[[pair["i"], pair["j"]]] = STONE
+                now[[pair["i"], pair["j"]]] = PARTICLE
                 touching.add(tuple(int(particles["identity"][pair[end]]) for end in "ij"))
         present = particles["motion"] != 0
         does[step, particles["identity"][present]] = now[present]
@@ -83,17 +83,17 @@ def main(path: Path) -> None:
         removal_depth=0.03, mass_rate=None, number_rate=60.0, duration=0.25,
         time_step_fraction=0.2,
     )  # fmt: skip
-    case = replace(stone(0.01, 5.0), particle_velocity_y=-1.0, restitution=0.3)
+    case = replace(particle(0.01, 5.0), particle_velocity_y=-1.0, restitution=0.3)
     spans, contacts = watched(case, setup)
     spans["lasts"] = spans["end"] - spans["begin"]
     shares = spans.groupby("does")["lasts"].sum() / spans["lasts"].sum()
     print(", ".join(f"{name} {shares.get(name, 0.0):.2%}" for name in NAMES), "of the time")
-    print(f"{len(contacts)} contacts between stones")
+    print(f"{len(contacts)} contacts between particles")
     save_image(figures.islands_figure(spans, contacts, zooms_of(contacts, setup.duration)), path)
 
 
 def zooms_of(contacts: pd.DataFrame, duration: float):
-    """All of the time, the 20 ms with most contacts between stones, the busiest 1 ms of these."""
+    """All of the time, the 20 ms with most contacts between particles, the busiest 1 ms of these."""
     zooms = [(0.0, duration)]
     for width in (20e-3, 1e-3):
         low, high = zooms[-1]

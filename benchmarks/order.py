@@ -4,7 +4,7 @@
 
 reads the processor time of every case of finished studies, prints for each how long two cores
 would need for its jobs in the order of their numbers, of the guess and of the times themselves, and
-fits the constants of `abradem.cost` to all of them.
+fits the constants of `abradem.sampling.cost` to all of them.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ import pandas as pd
 from scipy.optimize import minimize
 from study import Study, read_study
 
-from abradem import cost
 from abradem.config import setup_dict
-from abradem.dataset import read_table
+from abradem.sampling import cost
+from abradem.store.tables import read_table
 
 CONSTANTS = (
-    "SECONDS_PER_STONE", "SECONDS_IN_A_BED", "BED_RADIUS_EXPONENT", "BED_ANGLE", "BED_SPEED",
+    "SECONDS_PER_PARTICLE", "SECONDS_IN_A_BED", "BED_RADIUS_EXPONENT", "BED_ANGLE", "BED_SPEED",
 )  # fmt: skip
 
 
@@ -37,7 +37,7 @@ class Timed(NamedTuple):
 
     @property
     def guess(self) -> np.ndarray:
-        """What `abradem.cost` says of each case now, s."""
+        """What `abradem.sampling.cost` says of each case now, s."""
         return cost.case_seconds(self.cases, setup_dict(self.study.config))
 
 
@@ -60,7 +60,7 @@ def fit(studies: list[Timed]) -> dict[str, float]:
     """Constants that make the times likely as exponential deviates about the guess.
 
     That is the mean of cases alike which the sum of a study takes, and errors count relative to
-    the time. `abradem.cost` has the constants afterwards.
+    the time. `abradem.sampling.cost` has the constants afterwards.
     """
     seconds = np.concatenate([study.seconds for study in studies])
 
@@ -98,9 +98,9 @@ def say_how_well(timed: Timed) -> None:
         f"of logarithms {np.corrcoef(np.log(guess), np.log(seconds))[0, 1]:.2f}, "
         f"of ranks {pd.Series(guess).corr(pd.Series(seconds), method='spearman'):.2f}"
     )
-    shards = config.shards
+    batches = config.batches
     row = cases["case_id"] - config.sampling.cases_per_block * cases["block"]
-    job = cases["block"] * len(shards) + np.searchsorted([a for a, _ in shards], row, "right")
+    job = cases["block"] * len(batches) + np.searchsorted([a for a, _ in batches], row, "right")
     by_job = pd.DataFrame({"spent": seconds, "guess": guess}).groupby(job.to_numpy()).sum()
     spent, guesses = by_job.to_numpy().T
     print(f"  {len(spent)} jobs on two cores: half of the sum {spent.sum() / 2:.1f} s")
@@ -122,7 +122,7 @@ def main() -> None:
     before = {name: getattr(cost, name) for name in CONSTANTS}
     print("\nfitted to these times:")
     for name, value in fit(studies).items():
-        print(f"  {name} = {value:.3g}, {before[name]:.3g} in abradem.cost")
+        print(f"  {name} = {value:.3g}, {before[name]:.3g} in abradem.sampling.cost")
     for study in studies:
         say_how_well(study)
 

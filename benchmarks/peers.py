@@ -1,16 +1,16 @@
-"""The jets of `speed.py` by LIGGGHTS and LAMMPS: the same stones, step and plate, timed.
+"""The jets of `speed.py` by LIGGGHTS and LAMMPS: the same particles, step and plate, timed.
 
 Each peer gets an input script of ours: Hertz-Mindlin contacts with rolling friction, the plate as
-one wall of limited size, stones put in at the steps, places and velocities at which our engine
+one wall of limited size, particles put in at the steps, places and velocities at which our engine
 released them, and taken out below the same level. No wear, no dumps, one core. The time of a peer
-is the sum of what its log calls loop time: reading scripts, set-up and putting stones in are not
+is the sum of what its log calls loop time: wear measure scripts, set-up and putting particles in are not
 in it, nor are the pair lists that it makes at the begin of a run.
 
 What differs: LIGGGHTS takes the displacement law with uncapped damping, LAMMPS the incremental
 law; both let contacts attract at their end, which gives the same restitution as our default. Both
 resist relative rolling, LIGGGHTS in proportion to the elastic force alone, LAMMPS by a spring and
-slider; ours slows each stone's own spin in proportion to the whole normal force. Therefore beds of
-the peers hold some per cent fewer stones, to their advantage.
+slider; ours slows each particle's own spin in proportion to the whole normal force. Therefore beds of
+the peers hold some per cent fewer particles, to their advantage.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abradem.dem.contact import effective_shear_modulus, effective_youngs_modulus
 from abradem.dem.model import Case, Setup
 from abradem.dem.simulation import _Engine
 from abradem.dem.state import FLYING, GONE, Problem, make_problem
+from abradem.elastic import effective_shear_modulus, effective_youngs_modulus
 
 MARGIN = 0.1
-"""Share by which stones and kinetic energy may differ from ours for a comparison to be fair."""
+"""Share by which particles and kinetic energy may differ from ours for a comparison to be fair."""
 
 ROLLING_STEPS = 314
 """Period of the rolling spring of LAMMPS in steps: stiff, and well resolved."""
 
 REMOVAL_STEPS = 1000
-"""How often LAMMPS looks for stones below the level of removal."""
+"""How often LAMMPS looks for particles below the level of removal."""
 
 
 class Pour(NamedTuple):
@@ -56,8 +56,8 @@ class Pour(NamedTuple):
         Lattice step of each release.
     place, velocity : ndarray, shape (n, 3)
         m, m/s.
-    stones, energy : ndarray, shape (m,)
-        Stones present and their kinetic energy without spin (J) just before each step with a
+    particles, energy : ndarray, shape (m,)
+        Particles present and their kinetic energy without spin (J) just before each step with a
         release, but for the first.
     low, high : ndarray, shape (3,)
         Box in which all centres were just after those steps, m.
@@ -68,7 +68,7 @@ class Pour(NamedTuple):
     step: np.ndarray
     place: np.ndarray
     velocity: np.ndarray
-    stones: np.ndarray
+    present: np.ndarray
     energy: np.ndarray
     low: np.ndarray
     high: np.ndarray
@@ -81,12 +81,12 @@ class Pour(NamedTuple):
 
 @dataclass(frozen=True)
 class Run:
-    """How a peer ran: version, seconds of its run loop, means of stones and kinetic energy."""
+    """How a peer ran: version, seconds of its run loop, means of particles and kinetic energy."""
 
     version: str
     wall: float
     cpu: float
-    stones: float
+    present: float
     energy: float
 
 
@@ -94,13 +94,13 @@ def pour(case: Case, setup: Setup) -> Pour:
     """Simulate a case, for the duration of its set-up, and write down its releases.
 
     The engine is stopped before and after each step with a release: until its first contact a
-    stone keeps the anchor of its flight, which is where it was released.
+    particle keeps the anchor of its flight, which is where it was released.
     """
     problem, schedule = make_problem(case, setup)
     engine = _Engine(problem, schedule, "islands")
     sample = max(1, round(setup.sample_interval / problem.dt))
     end = max(1, round(setup.duration / (sample * problem.dt))) * sample
-    steps, places, stones, energy = [], [], [], []
+    steps, places, present, energy = [], [], [], []
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     step = int(engine.state.tally["next_release"][0])
     while step < end:
@@ -113,16 +113,16 @@ def pour(case: Case, setup: Setup) -> Pour:
         low = np.minimum(low, centres.min(axis=1, initial=np.inf))
         high = np.maximum(high, centres.max(axis=1, initial=-np.inf))
         if steps and new.size:
-            stones.append(before.size)
+            present.append(before.size)
             energy.append(kinetic_energy(problem, before, step))
-        for stone in new[np.argsort(new["identity"])]:
-            steps.append(int(stone["anchor_step"]))
-            places.append([float(stone[f"anchor_{axis}"]) for axis in "xyz"])
+        for particle in new[np.argsort(new["identity"])]:
+            steps.append(int(particle["anchor_step"]))
+            places.append([float(particle[f"anchor_{axis}"]) for axis in "xyz"])
         step = int(engine.state.tally["next_release"][0])
     velocity = np.tile([0.0, problem.release_speed, 0.0], (len(steps), 1))
     return Pour(
         problem, end, np.array(steps), np.array(places), velocity,
-        np.array(stones), np.array(energy), low, high,
+        np.array(present), np.array(energy), low, high,
     )  # fmt: skip
 
 
@@ -143,7 +143,7 @@ def unlike(poured: Pour, run: Run) -> str:
     """In which respect a peer's work differs from ours by more than `MARGIN`, or ""."""
     words = []
     for name, ours, theirs in (
-        ("stones", poured.stones.mean(), run.stones),
+        ("particles", poured.present.mean(), run.present),
         ("kinetic energy", poured.energy.mean(), run.energy),
     ):
         if not abs(theirs / ours - 1.0) <= MARGIN:
@@ -164,8 +164,8 @@ region box block {box} units box
 create_box 2 box
 neighbor {skin!r} bin
 neigh_modify delay 0
-fix m1 all property/global youngsModulus peratomtype {stone.youngs_modulus} {plate.youngs_modulus}
-fix m2 all property/global poissonsRatio peratomtype {stone.poisson_ratio} {plate.poisson_ratio}
+fix m1 all property/global youngsModulus peratomtype {particle.youngs_modulus} {plate.youngs_modulus}
+fix m2 all property/global poissonsRatio peratomtype {particle.poisson_ratio} {plate.poisson_ratio}
 fix m3 all property/global coefficientRestitution peratomtypepair 2 {restitution}
 fix m4 all property/global coefficientFriction peratomtypepair 2 {friction}
 fix m5 all property/global coefficientRollingFriction peratomtypepair 2 {rolling}
@@ -205,7 +205,7 @@ def _box(low, high) -> str:
 
 
 def _room(case: Case, poured: Pour):
-    """Box with room for stones that jump higher and farther than ours did."""
+    """Box with room for particles that jump higher and farther than ours did."""
     room = 10.0 * case.particle_radius
     return poured.low - room, poured.high + room
 
@@ -215,11 +215,11 @@ def _four(value: float) -> str:
 
 
 def liggghts_script(case: Case, setup: Setup, poured: Pour, skin: float) -> str:
-    """Input of LIGGGHTS: the plate is a mesh of two triangles; the box ends where stones do."""
+    """Input of LIGGGHTS: the plate is a mesh of two triangles; the box ends where particles do."""
     low, high = _room(case, poured)
     low[1] = poured.problem.removal_height
     head = LIGGGHTS.format(
-        box=_box(low, high), skin=skin, stone=case.particle, plate=case.plate,
+        box=_box(low, high), skin=skin, particle=case.particle, plate=case.plate,
         restitution=_four(case.restitution), friction=_four(case.static_friction),
         rolling=_four(case.rolling_friction), dt=poured.problem.dt, gravity=setup.gravity,
     )  # fmt: skip
@@ -296,7 +296,7 @@ def _vector(values) -> str:
 
 
 def _releases(case: Case, poured: Pour, place, velocity) -> str:
-    """Runs between the releases; time begins with the first stone, as nothing is there before."""
+    """Runs between the releases; time begins with the first particle, as nothing is there before."""
     lines, now = [], poured.step[0]
     size = f"diameter {2.0 * case.particle_radius!r} density {case.particle_density!r}"
     for i, step in enumerate(poured.step):
@@ -318,7 +318,7 @@ _LOOP = re.compile(r"^Loop time of (\S+) on 1 procs")
 
 
 def read_log(lines) -> tuple[str, float, np.ndarray]:
-    """Return version, seconds of all run loops, and stones and energy at the end of each.
+    """Return version, seconds of all run loops, and particles and energy at the end of each.
 
     Parameters
     ----------
@@ -331,7 +331,7 @@ def read_log(lines) -> tuple[str, float, np.ndarray]:
     loop : float
         s.
     rows : ndarray, shape (runs, 2)
-        Stones present, kinetic energy in J.
+        Particles present, kinetic energy in J.
     """
     version, loop, rows, last = "", 0.0, [], None
     for line in lines:
@@ -362,7 +362,7 @@ def installed(peer: Peer) -> str | None:
 
 
 def timed_run(peer: Peer, case: Case, setup: Setup, poured: Pour, skin: float) -> Run:
-    """Let a peer simulate the stones of a pour and read its log.
+    """Let a peer simulate the particles of a pour and read its log.
 
     Raises
     ------
@@ -388,6 +388,6 @@ def timed_run(peer: Peer, case: Case, setup: Setup, poured: Pour, skin: float) -
             version, loop, rows = read_log(lines)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     # The end of the last run is after the last release; ours was looked at before each.
-    stones, energy = rows[:-1].mean(axis=0)
+    present, energy = rows[:-1].mean(axis=0)
     # The clock of the loop is a wall clock; its share of the whole run is taken of both.
-    return Run(version, loop, cpu * loop / wall, float(stones), float(energy))
+    return Run(version, loop, cpu * loop / wall, float(present), float(energy))

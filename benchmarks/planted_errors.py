@@ -94,7 +94,7 @@ ERRORS = (
     Error("edges ignored", "plate.py", "    side = along - near_along\n",
           "    side = 0.0 * (along - near_along)\n", SPHERES,
           "test_face_edge_and_miss_are_told_apart"),
-    Error("pair list made anew too late", "synchronous.py",
+    Error("pair list made again too late", "synchronous.py",
           "tally.drift > SKIN * problem.radius", "tally.drift > 3.0 * SKIN * problem.radius",
           SPHERES, "test_an_old_pair_list_misses_no_contact"),
 )  # fmt: skip

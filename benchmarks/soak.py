@@ -26,19 +26,19 @@ from pathlib import Path
 
 import numpy as np
 
-from abradem.dataset import replacing
 from abradem.dem import Case, Setup, simulate
 from abradem.dem.model import NORMAL_LAWS, STEPPINGS, TANGENTIAL_DAMPINGS, ContactModel
 from abradem.dem.samples import ENERGY_TOLERANCE
-from abradem.dem.state import rayleigh_time
-from abradem.parameters import SAMPLED
+from abradem.elastic import rayleigh_time
+from abradem.quantities import SAMPLED
+from abradem.store.files import replacing
 
 MOST_GROWTH = 0.1
 """Growth of the memory from the tenth part of the time to its end, as a share, that counts as
 none: the allocator keeps what the largest case needed."""
 
 MOST_STEPS = 300_000
-"""Steps of a case beyond which another is drawn: a bed of the hardest stones would take hours."""
+"""Steps of a case beyond which another is drawn: a bed of the hardest particles would take hours."""
 
 COLUMNS = ("elapsed_s", "case_s", "simulated_s", "memory_mb", "status", "problems")
 

@@ -3,7 +3,7 @@
 Prints `scenario, ours in s, other, its seconds, ratio` for LIGGGHTS and LAMMPS, if they are
 installed (benchmarks/README.md), and for our own conventional stepping, which gives the same bits.
 
-Ours is a whole `simulate` call after a warm-up, with its three wear readings on facets of 10 mm;
+Ours is a whole `simulate` call after a warm-up, with its three wear measures on facets of 10 mm;
 that of a peer its run loop alone, without wear (`peers`). One core each. Ours is timed before and
 after the others, and between them unless it takes long; of each the shortest time counts.
 
@@ -42,8 +42,8 @@ WIDE = {
 }
 
 
-def stone(radius: float, plate_angle: float) -> Case:
-    """Limestone-like stones on steel, thrown down at 3 m/s."""
+def particle(radius: float, plate_angle: float) -> Case:
+    """Limestone-like particles on steel, thrown down at 3 m/s."""
     return Case(
         particle_shear_modulus=6e9,
         particle_poisson_ratio=0.25,
@@ -80,16 +80,24 @@ class Scenario(NamedTuple):
 
 SCENARIOS = {
     "A": Scenario(
-        stone(0.01, 45.0), Setup(**WIDE), "dilute jet, 45 degrees, 500 stones a second", 100.0, 2.0
+        particle(0.01, 45.0),
+        Setup(**WIDE),
+        "dilute jet, 45 degrees, 500 particles a second",
+        100.0,
+        2.0,
     ),
-    "M": Scenario(stone(0.01, 20.0), Setup(**WIDE), "the same, 20 degrees", 40.0, 2.0),
+    "M": Scenario(particle(0.01, 20.0), Setup(**WIDE), "the same, 20 degrees", 40.0, 2.0),
     "B": Scenario(
-        stone(0.01, 0.0), Setup(**WIDE), "the same, level: stones stay on the plate", 10.0, 1.0
+        particle(0.01, 0.0),
+        Setup(**WIDE),
+        "the same, level: particles stay on the plate",
+        10.0,
+        1.0,
     ),
     "D": Scenario(
-        stone(0.005, 0.0),
+        particle(0.005, 0.0),
         Setup(duration=5.0, time_step_fraction=0.2),
-        "5 mm stones, level, 4 kg/s: a bed",
+        "5 mm particles, level, 4 kg/s: a bed",
         5.0,
         1.0,
         rounds=1,
@@ -160,7 +168,7 @@ def measure(scenario: Scenario, setup: Setup, poured: Pour, rounds: int, others)
             run = timed_run(other, case, setup, poured, scenario.skin * case.particle_radius)
             spent = Clock(run.wall, run.cpu)
             remarks[other.name] = unlike(poured, run) or (
-                f"stones {run.stones / poured.stones.mean() - 1:+.1%}, "
+                f"particles {run.present / poured.present.mean() - 1:+.1%}, "
                 f"kinetic energy {run.energy / poured.energy.mean() - 1:+.1%}"
             )
         theirs.setdefault(other.name, []).append(spent)
@@ -174,8 +182,8 @@ def compare(name: str, seconds: float | None, rounds: int | None, clock: str, ot
     setup = scenario.setup if seconds is None else replace(scenario.setup, duration=seconds)
     poured = pour(scenario.case, setup)
     print(
-        f"{name}: {scenario.meaning}; {poured.step.size} stones, {poured.end} steps of "
-        f"{poured.problem.dt:.3g} s, {poured.stones.mean():.0f} stones present on average",
+        f"{name}: {scenario.meaning}; {poured.step.size} particles, {poured.end} steps of "
+        f"{poured.problem.dt:.3g} s, {poured.present.mean():.0f} particles present on average",
         flush=True,
     )
     ours, theirs, remarks = measure(scenario, setup, poured, rounds or scenario.rounds, others)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from abradem.config import Config, read_config
-from abradem.dataset import read_table
+from abradem.store.tables import read_table
 
 STORED = ("series", "maps", "runs", "wear_rates")
 
@@ -34,9 +34,9 @@ def read_study(folder: Path) -> Study:
         raise SystemExit(f"{folder}/config.yaml is missing; `snakemake simulation` writes it")
     config = read_config(folder / "config.yaml")
     jobs = [
-        f"block-{block:03d}-shard-{shard:03d}"
+        f"block-{block:03d}-batch-{batch:03d}"
         for block in range(config.sampling.blocks)
-        for shard in range(len(config.shards))
+        for batch in range(len(config.batches))
     ]
     tables = []
     for part in ("runs", "benchmarks/cases"):
@@ -54,7 +54,7 @@ def size(paths) -> int:
 
 
 def presence(folder: Path, study: Study) -> pd.DataFrame:
-    """Processor time of every case, and stones present times steps, what a crowd's cost follows."""
+    """Processor time of every case, and particles present times steps, what a crowd's cost follows."""
     found = []
     for job, runs, times in zip(study.jobs, study.runs, study.times, strict=True):
         series = read_table(folder / "series" / f"{job}.parquet", ("case_id", "particles_present"))
@@ -63,7 +63,7 @@ def presence(folder: Path, study: Study) -> pd.DataFrame:
         table = runs[["case_id"]].join(steps).merge(times, on="case_id").join(mean, on="case_id")
         found.append(table)
     cases = pd.concat(found, ignore_index=True)
-    cases["stone_steps"] = cases["present"].fillna(0.0) * cases["steps"].fillna(0.0)
+    cases["particle_steps"] = cases["present"].fillna(0.0) * cases["steps"].fillna(0.0)
     return cases
 
 
@@ -78,7 +78,7 @@ def main() -> None:
     seconds = pd.concat(study.times)["processor_time"]
     records = [folder / "benchmarks" / "simulate" / f"{job}.tsv" for job in study.jobs]
     jobs = pd.concat(pd.read_csv(record, sep="\t") for record in records)
-    dearest = max(times["processor_time"].sum() for times in study.times)
+    most_expensive = max(times["processor_time"].sum() for times in study.times)
     steps = (runs["simulated_time"] / runs["time_step"]).sum()
     stored = size(folder / name / f"{job}.parquet" for name in STORED for job in study.jobs)
     stored += size((folder / "cases").glob("*.parquet"))
@@ -87,22 +87,22 @@ def main() -> None:
     dear = cases.nlargest(max(1, len(cases) // 100), "processor_time")
     print(f"cases: {len(runs)}, simulated: {(runs['status'] == 'ok').sum()}")
     print(f"simulated: {runs['simulated_time'].sum():.0f} s, {steps / 1e9:.2f} billion steps")
-    print(f"stones released: {runs['released'].sum() / 1e6:.2f} million")
+    print(f"particles released: {runs['released'].sum() / 1e6:.2f} million")
     print(f"computing: {seconds.sum():.0f} s, {seconds.sum() / 120:.1f} min of two cores")
     print(
         f"a case: mean {seconds.mean():.2f}, median {seconds.median():.2f}, "
-        f"most {seconds.max():.0f} s of computing; the dearest hundredth takes "
+        f"most {seconds.max():.0f} s of computing; the most expensive hundredth takes "
         f"{100 * dear['processor_time'].sum() / seconds.sum():.0f} % of all"
     )
-    each = 1e9 * dear["processor_time"] / dear["stone_steps"]
+    each = 1e9 * dear["processor_time"] / dear["particle_steps"]
     print(
-        f"stones present times steps: {cases['stone_steps'].sum() / 1e9:.0f} billion; in the "
-        f"dearest hundredth {dear['stone_steps'].sum() / 1e9:.0f} billion, of "
-        f"{1e9 * dear['processor_time'].sum() / dear['stone_steps'].sum():.0f} ns each "
+        f"particles present times steps: {cases['particle_steps'].sum() / 1e9:.0f} billion; in the "
+        f"most expensive hundredth {dear['particle_steps'].sum() / 1e9:.0f} billion, of "
+        f"{1e9 * dear['processor_time'].sum() / dear['particle_steps'].sum():.0f} ns each "
         f"({each.min():.0f} to {each.max():.0f} in single cases)"
     )
     print(
-        f"jobs: {len(jobs)}, the dearest {dearest:.0f} s of computing, "
+        f"jobs: {len(jobs)}, the most expensive {most_expensive:.0f} s of computing, "
         f"together {jobs['s'].sum():.0f} s on the wall, "
         f"{100 * (jobs['s'].sum() / seconds.sum() - 1):.1f} % more than their cases took"
     )

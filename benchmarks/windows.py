@@ -5,7 +5,7 @@
 
 The first replays the stop rule (docs/method.md) on the stored series of a study with windows of 1,
 2 and 3 s, and compares the rates with those of its own window. The second simulates beds, small
-stones on nearly level plates, for `LONG` seconds, and compares the rate with which the rule stops
+particles on nearly level plates, for `LONG` seconds, and compares the rate with which the rule stops
 with the mean of the second half.
 """
 
@@ -21,11 +21,11 @@ import pandas as pd
 import yaml
 
 from abradem.config import load_config, setup_dict
-from abradem.dataset import read_table
 from abradem.dem import simulate
+from abradem.dem.model import Case, Setup
 from abradem.dem.simulation import CHECK_GROWTH, MAPS_PER_WINDOW, Steady
 from abradem.dem.steady import batch_means
-from abradem.shards import case_from_row, setup_from_dict
+from abradem.store.tables import read_table
 
 SHORTER = (1.0, 2.0, 3.0)
 LONG = 20.0
@@ -83,7 +83,7 @@ def beds(folder: Path, setup, number: int) -> None:
     flat = cases[(cases["plate_angle"] < 7.0) & cases["particle_radius"].between(0.007, SMALL)]
     off = []
     for row in flat.head(number).to_dict("records"):
-        result = simulate(case_from_row(row), replace(setup, duration=LONG))
+        result = simulate(Case.from_row(row), replace(setup, duration=LONG))
         time, worn = result.time, result.worn[:, 0]
         rate, stderr, end = stopped_rate(
             time, worn, result.present, setup.window, setup.target_stderr
@@ -92,7 +92,7 @@ def beds(folder: Path, setup, number: int) -> None:
         off.append(100.0 * (rate / late.rate - 1.0))
         print(
             f"case {row['case_id']}: R {1e3 * row['particle_radius']:.1f} mm, "
-            f"{row['plate_angle']:.1f} deg, {result.present[-1]} stones: "
+            f"{row['plate_angle']:.1f} deg, {result.present[-1]} particles: "
             f"the rule stops after {end:.1f} s, {off[-1]:+.1f} % from the mean of the last "
             f"{LONG / 2:g} s; standard errors {100 * stderr:.1f} % and "
             f"{100 * late.stderr / late.rate:.1f} %",
@@ -114,7 +114,7 @@ def main() -> None:
     parser.add_argument("--beds", type=int, help="simulate so many beds for long instead")
     chosen = parser.parse_args()
     stored = yaml.safe_load((chosen.study / "config.yaml").read_text(encoding="utf-8"))
-    setup = setup_from_dict(setup_dict(load_config(stored)))
+    setup = Setup.from_dict(setup_dict(load_config(stored)))
     if chosen.beds:
         beds(chosen.study, setup, chosen.beds)
         return

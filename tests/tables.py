@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from abradem.features import derive
-from abradem.parameters import SAMPLED, TARGET
+from abradem.dataset.features import derive
+from abradem.quantities import SAMPLED, TARGET
 
 PLANTED = {"archard_constant": 0.5, "plate_angle": 0.3, "particle_velocity_y": -0.6}
 """Standardised weights of the linear law."""

@@ -23,10 +23,10 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from tables import product_law
 
-from abradem.cli import main
+from abradem.cli.main import main
 from abradem.config import schema
-from abradem.dataset import write_table
-from abradem.parameters import SAMPLED_NAMES, quantity
+from abradem.quantities import SAMPLED_NAMES, quantity
+from abradem.store.tables import write_table
 
 BASE = yaml.safe_load((Path(__file__).parents[1] / "config.yaml").read_text(encoding="utf-8"))
 SCHEMA = jsonschema.Draft202012Validator(schema())
@@ -379,7 +379,7 @@ def test_a_damaged_parquet_file_is_refused_or_holds_the_same_numbers(table):
     if code == 2:
         assert all(line.startswith(f"{path}: ") for line in said.getvalue().splitlines())
     else:
-        from abradem.external import read_external
+        from abradem.dataset.external import read_external
 
         found = read_external(path)
         np.testing.assert_array_equal(found[list(TABLE)], TABLE)

@@ -1,4 +1,4 @@
-"""Input of Kratos: stones, a plate of two faces, materials, parameters."""
+"""Input of Kratos: particles, a plate of two faces, materials, parameters."""
 
 import json
 
@@ -12,11 +12,13 @@ def _block(kind, lines, name=""):
     return "\n".join([f"Begin {kind} {name}", *lines, f"End {kind}", ""])
 
 
-def write_parts(radius, stones, corners):
-    """Write the model parts of stones at places and of a plate with four corners."""
-    numbers = range(1, len(stones) + 1)
+def write_parts(radius, particles, corners):
+    """Write the model parts of particles at places and of a plate with four corners."""
+    numbers = range(1, len(particles) + 1)
     spheres = _block("Properties", [], "1")
-    spheres += _block("Nodes", [f"{i} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(stones, 1)])
+    spheres += _block(
+        "Nodes", [f"{i} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(particles, 1)]
+    )
     spheres += _block("Elements", [f"{i} 1 {i}" for i in numbers], "SphericParticle3D")
     spheres += _block("NodalData", [f"{i} 0 {radius!r}" for i in numbers], "RADIUS")
     with open("runDEM.mdpa", "w") as file:
@@ -50,7 +52,7 @@ def write_materials(one):
         "IMPACT_WEAR_SEVERITY": 0.0,
         "BRINELL_HARDNESS": 1.0,
     }
-    stone = {
+    particle = {
         "PARTICLE_DENSITY": one["rho"],
         "YOUNG_MODULUS": one["e1"],
         "POISSON_RATIO": one["nu1"],
@@ -58,18 +60,18 @@ def write_materials(one):
     plate = {"YOUNG_MODULUS": one["e2"], "POISSON_RATIO": one["nu2"], "COMPUTE_WEAR": True}
     materials = {
         "materials": [
-            {"material_name": "stone", "material_id": 1, "Variables": stone},
+            {"material_name": "particle", "material_id": 1, "Variables": particle},
             {"material_name": "plate", "material_id": 2, "Variables": plate},
         ],
         "material_relations": [
             {
-                "material_names_list": ["stone", other],
+                "material_names_list": ["particle", other],
                 "material_ids_list": [1, number],
                 "Variables": contact,
             }
-            for number, other in ((1, "stone"), (2, "plate"))
+            for number, other in ((1, "particle"), (2, "plate"))
         ],
-        "material_assignation_table": [["SpheresPart", "stone"], ["RigidFacePart", "plate"]],
+        "material_assignation_table": [["SpheresPart", "particle"], ["RigidFacePart", "plate"]],
     }
     with open("materials.json", "w") as file:
         json.dump(materials, file)

@@ -20,17 +20,17 @@ class Impact(DEMAnalysisStage):
         self.track = []
 
     def Initialize(self):
-        """Give the stone its velocity."""
+        """Give the particle its velocity."""
         super().Initialize()
-        self.stone = next(iter(self.spheres_model_part.Nodes))
-        self.stone.SetSolutionStepValue(kratos.VELOCITY, kratos.Vector(self.velocity))
+        self.particle = next(iter(self.spheres_model_part.Nodes))
+        self.particle.SetSolutionStepValue(kratos.VELOCITY, kratos.Vector(self.velocity))
         self.face = next(iter(self.rigid_face_model_part.Conditions)).GetGeometry()
 
     def FinalizeSolutionStep(self):
         """Record the step."""
         super().FinalizeSolutionStep()
         names = (kratos.VELOCITY, kratos.ANGULAR_VELOCITY, kratos.TOTAL_FORCES)
-        v, w, f = (self.stone.GetSolutionStepValue(name) for name in names)
+        v, w, f = (self.particle.GetSolutionStepValue(name) for name in names)
         self.track.append([v[0], v[1], -w[2], f[0], f[1]])
         # Its depth at the corners of the face that was hit.
         depth = [n.GetSolutionStepValue(dem.NON_DIMENSIONAL_VOLUME_WEAR) for n in self.face]
@@ -42,7 +42,7 @@ with open("task.json") as file:
 tracks, wear = [], []
 for one in task["impacts"]:
     side = 10.0 * one["radius"]
-    # The stone hits the middle of the first face.
+    # The particle hits the middle of the first face.
     corners = [(-1, 0, -1), (-1, 0, 2), (2, 0, -1), (2, 0, -2)]
     corners = [tuple(side * c for c in corner) for corner in corners]
     write_parts(one["radius"], [(0.0, one["start"], 0.0)], corners)

@@ -11,13 +11,13 @@ kratos.Logger.GetDefaultOutput().SetSeverity(kratos.Logger.Severity.WARNING)
 
 
 class Jet(DEMAnalysisStage):
-    """Stones that are released one by one."""
+    """Particles that are released one by one."""
 
     def Initialize(self):
-        """Release those due at the begin; the first stone is in the input."""
+        """Release those due at the begin; the first particle is in the input."""
         super().Initialize()
         self.due = list(task["releases"])
-        self.stones, self.done = [], 0
+        self.particles, self.done = [], 0
         self._release()
 
     def FinalizeSolutionStep(self):
@@ -26,14 +26,14 @@ class Jet(DEMAnalysisStage):
         self.done += 1
         self._release()
         if self.done == task["steps"]:
-            self.end = [list(n.GetSolutionStepValue(kratos.VELOCITY)) for n in self.stones]
+            self.end = [list(n.GetSolutionStepValue(kratos.VELOCITY)) for n in self.particles]
 
     def _release(self):
         while self.due and self.due[0][0] <= self.done:
             _, place, velocity = self.due.pop(0)
-            if self.stones:
+            if self.particles:
                 element = self.creator_destructor.CreateSphericParticle(
-                    self.spheres_model_part, len(self.stones) + 1, kratos.Array3(place),
+                    self.spheres_model_part, len(self.particles) + 1, kratos.Array3(place),
                     self.spheres_model_part.GetProperties()[1], task["radius"],
                     "SphericParticle3D",
                 )  # fmt: skip
@@ -41,7 +41,7 @@ class Jet(DEMAnalysisStage):
             else:
                 node = next(iter(self.spheres_model_part.Nodes))
             node.SetSolutionStepValue(kratos.VELOCITY, kratos.Vector(velocity))
-            self.stones.append(node)
+            self.particles.append(node)
 
 
 with open("task.json") as file:

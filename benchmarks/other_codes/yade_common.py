@@ -17,12 +17,14 @@ scene = Omega()
 
 
 def materials(one):
-    """Materials of the stone and of the plate."""
+    """Materials of the particle and of the plate."""
     angle = math.atan(one["mu"])
-    stone = FrictMat(young=one["e1"], poisson=one["nu1"], density=one["rho"], frictionAngle=angle)
+    particle = FrictMat(
+        young=one["e1"], poisson=one["nu1"], density=one["rho"], frictionAngle=angle
+    )
     plate = FrictMat(young=one["e2"], poisson=one["nu2"], density=1e4, frictionAngle=angle)
-    scene.materials.append([stone, plate])
-    return stone, plate
+    scene.materials.append([particle, plate])
+    return particle, plate
 
 
 def engines(one, boxes, contacts, gravity):

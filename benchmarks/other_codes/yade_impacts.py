@@ -15,8 +15,8 @@ with open("task.json") as file:
 tracks = []
 for one in task["impacts"]:
     scene.reset()
-    stone, plate = materials(one)
-    ball = sphere((0, one["start"], 0), one["radius"], material=stone)
+    particle, plate = materials(one)
+    ball = sphere((0, one["start"], 0), one["radius"], material=particle)
     scene.bodies.append(ball)
     scene.bodies.append(wall(0.0, axis=1, sense=0, material=plate))
     ball.state.vel = (one["v_t"], -one["v_n"], 0)

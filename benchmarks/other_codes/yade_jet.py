@@ -19,7 +19,7 @@ from yade_common import engines, materials, scene
 
 with open("task.json") as file:
     task = json.load(file)
-stone, plate = materials(task)
+particle, plate = materials(task)
 angle, half, thin = task["angle"], 0.5 * task["plate"], 0.5 * task["thin"]
 below = (thin * math.sin(angle), -thin * math.cos(angle), 0)
 turned = Quaternion((0, 0, 1), angle)
@@ -32,7 +32,7 @@ balls = []
 for step, place, velocity in task["releases"]:
     if step > scene.iter:
         scene.run(step - scene.iter, True)
-    ball = sphere(place, task["radius"], material=stone)
+    ball = sphere(place, task["radius"], material=particle)
     scene.bodies.append(ball)
     ball.state.vel = velocity
     balls.append(ball)

@@ -19,7 +19,7 @@ _LAZY = {
     "Impact": "abradem.dem",
     "simulate": "abradem.dem",
     "single_impact": "abradem.dem",
-    "predict": "abradem.surrogate",
+    "predict": "abradem.surrogate.model",
 }
 
 __all__ = ["__version__", *_LAZY]

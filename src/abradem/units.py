@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import re
 
-from abradem.parameters import quantity
+from abradem.quantities import quantity
+
+MM_PER_M = 1e3
 
 UNITS = {
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
@@ -29,7 +31,7 @@ def parse_value(name: str, text: str) -> float:
     Parameters
     ----------
     name : str
-        A quantity of `abradem.parameters`.
+        A quantity of `abradem.quantities`.
     text : str
         Such as "20 mm"; without a unit it is the quantity's own.
 

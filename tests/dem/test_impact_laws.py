@@ -10,12 +10,12 @@ from scipy.special import beta as beta_function
 from abradem import single_impact
 from abradem.dem.damping import exact_beta, nominal_beta
 from abradem.dem.model import ContactModel, Interaction, Material, Setup
-from abradem.dem.state import rayleigh_time
+from abradem.elastic import rayleigh_time
 from abradem.verification import closed_forms as exact
 from abradem.verification.experiments import head_on, hertz_pair
-from abradem.verification.scenes import STONE, Scene, filmed, solid
+from abradem.verification.scenes import PARTICLE, Scene, filmed, solid
 
-STONE_SCENE = Scene()
+PARTICLE_SCENE = Scene()
 ANCHORS = {0.20: 0.7313, 0.35: 0.4186, 0.50: 0.2553, 0.65: 0.1499, 0.80: 0.0744, 0.95: 0.0165}
 CLIPPED = {0.20: 0.325, 0.35: 0.434, 0.50: 0.550, 0.65: 0.675, 0.80: 0.808, 0.95: 0.9505}
 SPEED = 3.9
@@ -57,7 +57,7 @@ def test_exact_damping_agrees_with_an_independent_integrator(e):
 
 @pytest.mark.parametrize("e", [0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95, 1.0])
 def test_a_normal_impact_rebounds_at_e(e):
-    impact = STONE_SCENE.with_interaction(restitution=e).impact(SPEED, 0.0)
+    impact = PARTICLE_SCENE.with_interaction(restitution=e).impact(SPEED, 0.0)
     assert impact.normal_velocity == pytest.approx(e * SPEED, rel=2e-3)
 
 
@@ -125,13 +125,13 @@ def test_hertz_impact_of_two_spheres(material, force, overlap, duration):
 
 @pytest.mark.parametrize("e", [0.3, 0.8, 1.0])
 def test_two_spheres_part_with_e_times_their_speed(e):
-    scene = STONE_SCENE.with_interaction(restitution=e)
+    scene = PARTICLE_SCENE.with_interaction(restitution=e)
     film, _ = head_on(scene, 2.0, 1e-4)
     assert film.of("vx", 1)[-1] - film.of("vx", 0)[-1] == pytest.approx(4.0 * e, rel=2e-3)
 
 
 def test_an_oblique_pair_keeps_linear_and_angular_momentum():
-    scene = STONE_SCENE.with_interaction(restitution=0.6, rolling_friction=0.0)
+    scene = PARTICLE_SCENE.with_interaction(restitution=0.6, rolling_friction=0.0)
     spins = ((10.0, -50.0, 120.0), (30.0, 70.0, -20.0))
     film, _ = head_on(scene, 2.0, 1e-4, spins=spins, offset=0.006)
     inertia = 0.4 * scene.radius**2
@@ -148,7 +148,7 @@ def test_an_oblique_pair_keeps_linear_and_angular_momentum():
 
 def test_equal_spheres_with_opposite_spins_keep_them():
     spins = ((0.0, 0.0, 200.0), (0.0, 0.0, -200.0))
-    film, _ = head_on(STONE_SCENE, 2.0, 1e-4, spins=spins)
+    film, _ = head_on(PARTICLE_SCENE, 2.0, 1e-4, spins=spins)
     for i in (0, 1):
         np.testing.assert_array_equal(film.of("wz", i), spins[i][2])
         np.testing.assert_array_equal(film.of("vy", i), 0.0)
@@ -161,7 +161,9 @@ def test_equal_spheres_with_opposite_spins_keep_them():
 @pytest.mark.parametrize("mu_r", [0.0, 0.05])
 @pytest.mark.parametrize("mu", [0.1, 0.3, 0.45])
 def test_gross_slip_of_an_elastic_impact_matches_its_closed_form(mu, mu_r):
-    scene = STONE_SCENE.with_interaction(restitution=1.0, static_friction=mu, rolling_friction=mu_r)
+    scene = PARTICLE_SCENE.with_interaction(
+        restitution=1.0, static_friction=mu, rolling_friction=mu_r
+    )
     angle = exact.slip_angle_deg(mu, 1.0, mu_r) + 5.0
     v_n, v_t = components(SPEED, angle)
     form = exact.gross_slip(scene.mass, scene.radius, v_n, v_t, mu, 1.0, mu_r)
@@ -176,7 +178,7 @@ def test_gross_slip_of_an_elastic_impact_matches_its_closed_form(mu, mu_r):
 @pytest.mark.parametrize("e", [0.2, 0.5, 0.8])
 def test_gross_slip_holds_for_damped_impacts_under_the_capped_law(e):
     """The damping counts in the trial force, so that the contact slips from the first moment."""
-    scene = STONE_SCENE.with_interaction(restitution=e, static_friction=0.3)
+    scene = PARTICLE_SCENE.with_interaction(restitution=e, static_friction=0.3)
     angle = exact.slip_angle_deg(0.3, e) + 5.0
     v_n, v_t = components(SPEED, angle)
     form = exact.gross_slip(scene.mass, scene.radius, v_n, v_t, 0.3, e)
@@ -199,7 +201,7 @@ def test_without_tangential_damping_an_initial_stick_raises_total(e):
 
 def test_rolling_resistance_stops_at_standstill():
     # The rolling torque would exceed the friction torque: the sphere cannot turn backwards.
-    scene = STONE_SCENE.with_interaction(static_friction=0.1, rolling_friction=0.3)
+    scene = PARTICLE_SCENE.with_interaction(static_friction=0.1, rolling_friction=0.3)
     assert scene.impact(SPEED, 60.0).spin[2] == 0.0
 
 
@@ -235,7 +237,7 @@ def test_an_impact_never_gains_energy(damping):
 
 def test_slipping_part_is_at_most_the_whole():
     for angle in (5.0, 30.0, 60.0, 85.0):
-        impact = STONE_SCENE.impact(SPEED, angle)
+        impact = PARTICLE_SCENE.impact(SPEED, angle)
         assert 0.0 <= impact.sliding <= impact.total * (1.0 + 1e-9)
 
 
@@ -248,13 +250,13 @@ def test_slipping_part_is_at_most_the_whole():
      (3.9, 0.01, 2500.0, 7.0)],
     ids=["speed", "radius", "density", "moduli"],
 )  # fmt: skip
-def test_readings_per_kinetic_energy_are_similar(speed, radius, density, stiffer):
+def test_measures_per_kinetic_energy_are_similar(speed, radius, density, stiffer):
     other = Scene(solid(15e9 * stiffer, 0.25, density), solid(200e9 * stiffer, 0.3, 7800.0), radius)
     for angle in (15.0, 40.0, 70.0):
-        one, two = STONE_SCENE.impact(SPEED, angle), other.impact(speed, angle)
-        for reading in ("total", "sliding", "friction_work"):
-            scaled = getattr(two, reading) / (other.mass * speed**2)
-            expected = getattr(one, reading) / (STONE_SCENE.mass * SPEED**2)
+        one, two = PARTICLE_SCENE.impact(SPEED, angle), other.impact(speed, angle)
+        for measure in ("total", "sliding", "friction_work"):
+            scaled = getattr(two, measure) / (other.mass * speed**2)
+            expected = getattr(one, measure) / (PARTICLE_SCENE.mass * SPEED**2)
             assert scaled == pytest.approx(expected, rel=1e-7)
         assert two.spin[2] * radius / speed == pytest.approx(one.spin[2] * 0.01 / SPEED, rel=1e-7)
 
@@ -273,7 +275,7 @@ def test_readings_per_kinetic_energy_are_similar(speed, radius, density, stiffer
 )
 def test_total_at_30_degrees_tells_the_laws_apart(model, share):
     impact = Scene(contact=model).impact(SPEED, 30.0)
-    assert impact.total / (STONE_SCENE.mass * SPEED**2) == pytest.approx(share, abs=6e-4)
+    assert impact.total / (PARTICLE_SCENE.mass * SPEED**2) == pytest.approx(share, abs=6e-4)
 
 
 def test_uncapped_damping_exceeds_coulomb_and_capped_does_not():
@@ -301,10 +303,10 @@ def test_uncapped_damping_exceeds_coulomb_and_capped_does_not():
 )  # fmt: skip
 def test_default_step_biases_total_as_documented(fraction, angle, documented):
     """The default and the paper's 0.2; averaged over the phase at which the surfaces meet."""
-    dt = fraction * rayleigh_time(STONE_SCENE.radius, STONE)
-    reference = STONE_SCENE.impact(SPEED, angle).total
+    dt = fraction * rayleigh_time(PARTICLE_SCENE.radius, PARTICLE)
+    reference = PARTICLE_SCENE.impact(SPEED, angle).total
     phases = (np.arange(32) + 0.5) / 32
-    coarse = [STONE_SCENE.impact(SPEED, angle, time_step=dt, phase=p).total for p in phases]
+    coarse = [PARTICLE_SCENE.impact(SPEED, angle, time_step=dt, phase=p).total for p in phases]
     assert np.mean(coarse) / reference - 1.0 == pytest.approx(documented, abs=0.001)
 
 
@@ -316,7 +318,7 @@ def test_an_oblique_impact_matches_an_independent_integration(angle):
     the nominal damping in the tangent, as written, and would be 0.172 with the corrected one.
     """
     radius, rho, mu, e, speed = 0.01, 2500.0, 0.45, 0.5, 3.9
-    stone, steel = Material(6e9, 0.25, rho), Material(200e9 / 2.6, 0.3, 7800.0)
+    particle, steel = Material(6e9, 0.25, rho), Material(200e9 / 2.6, 0.3, 7800.0)
     e_star = 1 / ((1 - 0.25**2) / 15e9 + (1 - 0.3**2) / 200e9)
     g_star = 1 / ((2 - 0.25) / 6e9 + (2 - 0.3) / (200e9 / 2.6))
     mass = 4 / 3 * math.pi * radius**3 * rho
@@ -347,7 +349,7 @@ def test_an_oblique_impact_matches_an_independent_integration(angle):
         closing -= normal / mass * dt
         along += force / mass * dt
         surface += force / (0.4 * mass) * dt
-    found = single_impact(stone, radius, steel, Interaction(e, mu, 0.0), speed, angle)
+    found = single_impact(particle, radius, steel, Interaction(e, mu, 0.0), speed, angle)
     assert found.total == pytest.approx(total, rel=2e-3)
     assert found.tangential_velocity == pytest.approx(along, rel=1e-3)
     if angle == 30.0:

@@ -84,8 +84,8 @@ def test_small_scenes_are_the_same_bits(seed, count, angle, speed, restitution, 
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-9, 1e-4])
-def test_a_chain_passes_a_blow_on_to_the_stone_at_its_end(gap):
-    """A fast stone hits the first of a row of resting ones; all must be awake in time."""
+def test_a_chain_passes_a_blow_on_to_the_particle_at_its_end(gap):
+    """A fast particle hits the first of a row of resting ones; all must be awake in time."""
     radius = CASE.particle_radius
     places = [(k * (2.0 * radius + gap), 0.3, 0.0) for k in range(12)]
     places = [(-0.1, 0.3, 0.0), *places]
@@ -97,7 +97,7 @@ def test_a_chain_passes_a_blow_on_to_the_stone_at_its_end(gap):
     assert last["vx"] > 1.0
 
 
-def test_a_stone_that_gains_speed_from_spin_raises_the_speed_limit():
+def test_a_particle_that_gains_speed_from_spin_raises_the_speed_limit():
     """Spin becomes speed beyond what any flight could reach; the limit must follow."""
     setup = dataclasses.replace(SMALL, plate_length=0.3, removal_depth=0.02)
     places, speeds = [(0, 0.0101, 0), (0.0305, 0.011, 0)], [(0, -0.5, 0), (0, 0, 0)]
@@ -126,7 +126,7 @@ def test_a_jet_is_the_same_bits(angle, radius, speed, duration, model):
 
 
 def test_a_crowd_is_handed_over_and_back_with_the_same_bits():
-    """Six hundred stones fall on a small plate, pile up and slide off it."""
+    """Six hundred particles fall on a small plate, pile up and slide off it."""
     case = dataclasses.replace(
         CASE, plate_angle=25.0, particle_radius=0.005, particle_velocity_y=-1.0
     )
@@ -174,7 +174,7 @@ def test_simulate_gives_the_same_result_with_both_steppings():
 
 
 def test_room_can_be_made_at_any_time():
-    """Over 256 stones are looked up in a grid, which must not outlive the room it was made in."""
+    """Over 256 particles are looked up in a grid, which must not outlive the room it was made in."""
     case = dataclasses.replace(
         CASE, particle_radius=0.006, particle_velocity_y=-0.05, plate_angle=34.0
     )

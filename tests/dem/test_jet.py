@@ -21,8 +21,8 @@ from abradem.dem.state import (
     grown,
     make_problem,
     make_state,
-    rayleigh_time,
 )
+from abradem.elastic import rayleigh_time
 from abradem.verification.scenes import Scene, solid
 
 JET = Scene(
@@ -52,13 +52,13 @@ def jet():
 # Feed
 
 
-def test_a_mass_rate_is_delivered_to_within_one_stone(jet):
+def test_a_mass_rate_is_delivered_to_within_one_particle(jet):
     poured = 4.0 * jet.simulated_time
     assert jet.delivered_mass[-1] == pytest.approx(poured, abs=1.01 * JET.mass)
     assert jet.delivered_rate == pytest.approx(jet.requested_rate, rel=0.03)
 
 
-def test_a_number_rate_is_delivered_to_within_one_stone():
+def test_a_number_rate_is_delivered_to_within_one_particle():
     for radius in (0.01, 0.03):
         case = replace(CASE, particle_radius=radius)
         setup = replace(SHORT, mass_rate=None, number_rate=40.0, duration=0.5)
@@ -66,7 +66,7 @@ def test_a_number_rate_is_delivered_to_within_one_stone():
         assert result.released == pytest.approx(40.0 * result.simulated_time, abs=1.01)
 
 
-def test_stones_at_rest_on_a_vertical_patch_find_room_for_less_than_half():
+def test_particles_at_rest_on_a_vertical_patch_find_room_for_less_than_half():
     heavy = Scene(particle=solid(15e9, 0.25, 4000.0), radius=0.005)
     case = heavy.case(factory_angle=-90.0, plate_angle=60.0, seed=1)
     result = simulate(case, JET.setup(duration=0.3, sample_interval=0.1, time_step_fraction=0.4))
@@ -74,7 +74,7 @@ def test_stones_at_rest_on_a_vertical_patch_find_room_for_less_than_half():
     assert 0.25 < result.delivered_rate / result.requested_rate < 0.5
 
 
-def test_released_stones_start_on_the_patch_without_overlap():
+def test_released_particles_start_on_the_patch_without_overlap():
     case = replace(CASE, factory_angle=-40.0)
     starts = {}
 
@@ -179,7 +179,7 @@ def test_without_friction_and_damping_nothing_is_lost():
     result = simulate(case, scene.setup(duration=0.5, sample_interval=0.1, time_step_fraction=0.02))
     assert result.status == "ok"
     assert abs(result.energy["dissipated"]) < 5e-3 * result.energy["inserted"]
-    # Everything slides and friction does no work: all readings are the same distance.
+    # Everything slides and friction does no work: all wear measures are the same distance.
     assert result.worn[-1, 0] > 0.0
     assert result.worn[-1, 1] == result.worn[-1, 2] == result.worn[-1, 0]
 
@@ -199,7 +199,7 @@ def test_the_facets_add_up_to_the_plate(jet):
     assert jet.facet_wear_all[0].min() >= 0.0
 
 
-def test_readings_are_ordered(jet):
+def test_measures_are_ordered(jet):
     total, sliding, friction = jet.worn[-1]
     assert total > friction > 0.0
     assert total > sliding > 0.0
@@ -265,7 +265,7 @@ def test_a_step_that_jumps_through_contacts_is_refused():
         simulate(CASE, replace(SHORT, time_step=dt))
 
 
-def test_too_soft_stones_end_the_case_with_its_reason():
+def test_too_soft_particles_end_the_case_with_its_reason():
     jelly = Scene(particle=solid(2e5, 0.25, 2500.0), radius=0.02)
     case = jelly.case(particle_velocity_y=-5.0, plate_angle=10.0)
     result = simulate(case, replace(SHORT, time_step_fraction=0.02))
@@ -357,7 +357,7 @@ def test_particles_present_are_those_released_and_not_removed(jet):
 
 
 def test_a_case_whose_particles_still_change_goes_on():
-    """Large stones on a level plate without rolling friction to leave it by: they only gather."""
+    """Large particles on a level plate without rolling friction to leave it by: they only gather."""
     setup = JET.setup(
         window=1.0, max_time=4.0, target_stderr=0.5, plate_length=3.0, plate_width=3.0
     )

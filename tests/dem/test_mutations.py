@@ -1,12 +1,6 @@
 """The tests bite: an error planted into a copy of the engine makes a named check fail."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
-
 from planted_errors import ERRORS, caught
 
 

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from abradem.dem import Case, Setup, simulate, simulation
-from abradem.parameters import SAMPLED
+from abradem.quantities import SAMPLED
 from abradem.verification.scenes import Scene
 
 CASE = Case(6e9, 0.25, 2500, 77e9, 0.3, 7800, 0.5, 0.05, 0.45, 1e-9, 45.0, 0.0, 0.02, -5.0, seed=1)
@@ -60,7 +60,7 @@ def test_releases_faster_than_the_step_are_refused():
         simulate(CASE, SETUP, releases=([0.0], [[0.0, 0.3, 0.0]], velocity))
 
 
-def test_stones_too_soft_for_their_speed_end_the_case():
+def test_particles_too_soft_for_their_speed_end_the_case():
     soft = case(particle_shear_modulus=1e6, equipment_shear_modulus=1e6, particle_velocity_y=-30.0)
     result = simulate(soft, SETUP)
     assert result.status == "overlap above 20 % of the radius"
@@ -75,7 +75,7 @@ def test_more_particles_than_there_is_room_for_end_the_case(monkeypatch):
 
 
 @pytest.mark.parametrize("rate", [{"mass_rate": 1e-300}, {"mass_rate": None, "number_rate": 1e-20}])
-def test_a_feed_too_small_for_a_stone_releases_none(rate):
+def test_a_feed_too_small_for_a_particle_releases_none(rate):
     """The step at which the first is due does not fit an integer."""
     result = simulate(CASE, setup(**rate))
     assert result.status == "ok" and result.released == 0 and result.worn[-1].max() == 0.0
@@ -85,7 +85,7 @@ def test_a_feed_too_small_for_a_stone_releases_none(rate):
 
 
 def vertical_drop(**values):
-    """A jet without friction onto a level plate, far between stones."""
+    """A jet without friction onto a level plate, far between particles."""
     return simulate(
         case(plate_angle=0.0, static_friction=0.0, rolling_friction=0.0, **values),
         setup(mass_rate=None, number_rate=5.0, patch_length=1e-9, patch_width=1e-9),
@@ -106,7 +106,7 @@ def test_an_elastic_case_loses_no_energy():
     assert abs(book["dissipated"]) < 1e-3 * book["inserted"]
 
 
-def test_without_friction_all_readings_are_the_distance_under_load():
+def test_without_friction_all_measures_are_the_distance_under_load():
     result = simulate(case(static_friction=0.0, rolling_friction=0.0), SETUP)
     total, sliding, friction = result.worn[-1]
     assert total > 0.0
@@ -121,7 +121,7 @@ def test_a_plate_on_edge_is_met_on_its_edge_alone():
     assert mirrored.face_share == 0.0
 
 
-def test_a_stone_wider_than_the_plate_bounces_as_on_a_plane():
+def test_a_particle_wider_than_the_plate_bounces_as_on_a_plane():
     """Dropped on the middle of a plate smaller than itself it meets the face at one point."""
     scene = Scene()
     drop = ([0.0], [[0.0, 0.1 + 0.2, 0.0]], [[0.0, -1.0, 0.0]])

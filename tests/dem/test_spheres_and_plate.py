@@ -74,7 +74,7 @@ def test_free_flight_is_the_exact_parabola_bit_for_bit():
     assert result.worn[-1, 0] == 0.0
 
 
-def test_flight_between_bounces_starts_anew_where_the_contact_ended():
+def test_flight_between_bounces_starts_again_where_the_contact_ended():
     scene = Scene(interaction=Interaction(1.0, 0.0))
     setup = scene.plane(duration=0.6, sample_interval=0.6, time_step=2e-7)
     result, film = filmed(scene.case(), setup, ([0.0], [(0.0, 0.11, 0.0)], [(0, 0, 0)]), every=1e-4)
@@ -170,7 +170,7 @@ def test_the_pair_list_holds_the_pairs_of_all_with_all():
 
 
 @pytest.mark.parametrize("far", [1e3, 1e300, math.inf, math.nan])
-def test_a_stone_far_away_or_nowhere_hides_no_pair(far):
+def test_a_particle_far_away_or_nowhere_hides_no_pair(far):
     rng = np.random.default_rng(3)
     scene = Scene()
     problem, _ = make_problem(scene.case(), scene.plane())
@@ -190,7 +190,7 @@ def test_a_stone_far_away_or_nowhere_hides_no_pair(far):
 
 
 def test_an_old_pair_list_misses_no_contact():
-    """A list made anew in every step gives the same bits as one that waits for the drift."""
+    """A list made again in every step gives the same bits as one that waits for the drift."""
     scene = Scene(interaction=Interaction(0.5, 0.45, 0.05))
     case = scene.case(plate_angle=4.0, particle_velocity_y=-5.0)
     setup = Setup(number_rate=4000.0, mass_rate=None, fall_height=0.1)
@@ -213,7 +213,7 @@ def test_an_old_pair_list_misses_no_contact():
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_crowd_moves_as_its_naive_twin(seed):
-    """Twelve stones thrown together above a small tilted plate, edges included."""
+    """Twelve particles thrown together above a small tilted plate, edges included."""
     rng = np.random.default_rng(seed)
     scene = Scene(interaction=Interaction(0.5, 0.45, 0.05))
     case = scene.case(plate_angle=20.0)

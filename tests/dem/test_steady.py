@@ -1,4 +1,4 @@
-"""The transient is found and the error of the rate is honest, on series whose truth is known."""
+"""The transient is found and the error of the rate is leakage-free, on series whose truth is known."""
 
 import numpy as np
 import pytest
@@ -76,8 +76,8 @@ def test_particles_present_show_what_the_wear_hides():
     assert steady_part(time, worn, np.full(time.size, 400), 5.5) == steady_start(time, worn)
 
 
-def test_a_few_large_stones_are_steady():
-    # A jet of 2 stones in the air on average: Poisson, so their number changes by chance alone.
+def test_a_few_large_particles_are_steady():
+    # A jet of 2 particles in the air on average: Poisson, so their number changes by chance alone.
     rng = np.random.default_rng(9)
     time, worn = series(rng)
     parts = []
@@ -139,7 +139,7 @@ def test_a_drop_after_the_half_is_no_steady_state():
     assert steady_part(time, plain, constant, 5.5) == steady_start(time, plain)
 
 
-def test_a_change_after_a_steady_half_begins_the_part_anew():
+def test_a_change_after_a_steady_half_begins_the_part_again():
     time, _ = series(np.random.default_rng(17), until=60.0)
     noise = 0.02 * np.random.default_rng(17).normal(size=time.size)
     worn = integral(time, np.where(time < 40.0, 2.0, 1.0) + noise)

@@ -6,32 +6,29 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from figure_checks import SETUP, assert_fit_to_print, study, texts
 from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 from PIL import Image
 from tables import product_law
-from test_figures import SETUP, assert_fit_to_print, study, texts
 
 from abradem.config import load_config, typical_case
 from abradem.figures import style
 from abradem.figures.angles import angles_figure
 from abradem.figures.architecture import architecture_figure
-from abradem.figures.distributions import distributions_figure
+from abradem.figures.catalogue import GROUP_OF
+from abradem.figures.distributions import distributions_figure, standardised
 from abradem.figures.film import Shot, frames, shared_top
 from abradem.figures.flow import generation_figure, workflow_figure
-from abradem.figures.gallery import gallery_figure
-from abradem.figures.listing import GROUP_OF
-from abradem.figures.page import WIDTH, page, shrink
+from abradem.figures.gallery import chosen_cases, gallery_figure
+from abradem.figures.gallery_page import WIDTH, page, shrink
+from abradem.figures.maps import depth_rate_maps
 from abradem.figures.render import Camera, Patch, Plate, picture
 from abradem.figures.setup import setup_figure
-from abradem.figures.verdicts import verdicts_figure
-from abradem.gallery import chosen_cases
-from abradem.learning.distributions import standardised
-from abradem.rulegraph import from_dot, needs_of
-from abradem.verification.margins import margins
-from abradem.verification.page import PARTS
-from abradem.verification.table import HOLDS, Check, checks_table
-from abradem.wear_rate import depth_rate_maps
+from abradem.figures.verdicts import margins, verdicts_figure
+from abradem.running.rule_graph import from_dot, needs_of
+from abradem.verification.checks import HOLDS, Check, checks_table
+from abradem.verification.results_page import PARTS
 
 CASE = typical_case(load_config({"study": "x"}))
 DOT = """digraph snakemake_dag {
@@ -153,7 +150,7 @@ def test_a_facet_has_its_colour_and_lies_where_it_belongs():
     np.testing.assert_allclose(image[row, column], grey)
 
 
-def test_a_stone_shades_the_plate_below_it_and_nothing_else():
+def test_a_particle_shades_the_plate_below_it_and_nothing_else():
     plate = Plate(0.4, 0.4, 0.0, np.full((1, 1, 3), 0.9))
     camera = Camera(np.array([0.0, 3.0, 0.01]), np.zeros(3), 0.6, 100, 100)
     bare = picture(camera, plate, np.empty((0, 3)), 0.02)
@@ -177,7 +174,7 @@ def test_the_patch_lets_what_is_behind_it_shine_through():
 # The figures
 
 
-def stones(n, time=0.0):
+def particles(n, time=0.0):
     rng = np.random.default_rng(0)
     frame = pd.DataFrame(rng.uniform(-0.1, 0.2, (n, 3)), columns=list("xyz"))
     return frame.assign(particle=range(n), time=time)
@@ -188,7 +185,7 @@ def test_the_set_up_names_what_it_shows(angles, monkeypatch):
     monkeypatch.setattr(style, "DPI", 60)
     case = {**CASE, "plate_angle": angles[0], "factory_angle": angles[1]}
     depth = np.random.default_rng(0).gamma(1.0, 1e-3, SETUP.facets)
-    figure = setup_figure(stones(20), depth, 1.5, case, SETUP)
+    figure = setup_figure(particles(20), depth, 1.5, case, SETUP)
     words = texts(figure)
     for part in ("300 × 300 mm", "100 × 100 mm", "250 mm", "m/s", "(mm)", "after 1.5 s", "4 kg/s"):
         assert part in words
@@ -292,7 +289,7 @@ def test_the_gallery_labels_every_map():
 def predictions(table, noise):
     rng = np.random.default_rng(3)
     rows = []
-    for protocol in ("as_published", "honest"):
+    for protocol in ("as_published", "leakage_free"):
         part = table.sample(8, random_state=1)
         error = noise * rng.standard_normal(len(part))
         rows.append(
@@ -332,7 +329,8 @@ def test_distributions_are_standardised_by_all_rows_and_count_each_row_once():
 def test_the_architecture_names_features_and_true_sizes(layers):
     names = ["archard_constant", "plate_angle", "particle_velocity_y"]
     summaries = {
-        name: {"features": names, "architecture": layers} for name in ("as_published", "honest")
+        name: {"features": names, "architecture": layers}
+        for name in ("as_published", "leakage_free")
     }
     figure = architecture_figure(summaries)
     for panel in figure.axes:
@@ -383,7 +381,7 @@ def test_frames_of_the_film_share_one_scale_and_the_wear_grows():
     shots = [
         Shot(
             {**CASE, "plate_angle": angle},
-            pd.concat([stones(4, time) for time in times]),
+            pd.concat([particles(4, time) for time in times]),
             times,
             np.array([step * share * growth for step in range(3)]),
         )

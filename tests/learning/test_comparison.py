@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from abradem.learning import paper
+from abradem.learning import published
 from abradem.learning.comparison import beside_paper, bootstrap_r2, compare, join_tables
 from abradem.learning.scores import SCORE_COLUMNS, score_rows
-from abradem.parameters import FEATURE_NAMES
+from abradem.quantities import FEATURE_NAMES
 
 
 def scores_of(model, protocol, values, split="test"):
@@ -43,16 +43,16 @@ def test_a_constant_target_has_no_bootstrap():
 def test_repeated_splits_come_before_the_fixed_one():
     scores = join_tables(
         [
-            scores_of("ridge", "honest", [0.5, 0.6, 0.7]),
+            scores_of("ridge", "leakage_free", [0.5, 0.6, 0.7]),
             scores_of("linear", "as_published", [0.6]),
-            scores_of("ga_ann", "honest", [0.9]),
-            scores_of("ga_ann", "honest", [0.7, 0.8, 0.9], "retrained"),
+            scores_of("ga_ann", "leakage_free", [0.9]),
+            scores_of("ga_ann", "leakage_free", [0.7, 0.8, 0.9], "retrained"),
         ]
     )
     assert list(dict.fromkeys(scores["model"])) == ["linear", "ridge", "ga_ann"]
     predictions = join_tables(
         [predictions_of(*one) for one in
-         (("ridge", "honest"), ("linear", "as_published"), ("ga_ann", "honest"))]
+         (("ridge", "leakage_free"), ("linear", "as_published"), ("ga_ann", "leakage_free"))]
     )  # fmt: skip
     table = compare(scores, predictions, draws=200)
     assert table[["model", "basis"]].to_numpy().tolist() == [
@@ -64,24 +64,24 @@ def test_repeated_splits_come_before_the_fixed_one():
     assert (table["r2_lower"] <= table["r2"]).all() and (table["r2"] <= table["r2_upper"]).all()
     side = beside_paper(table).set_index("model")
     assert side.loc["linear", "printed_r2"] == 0.68 and side.loc["linear", "as_published_r2"] > 0.8
-    assert side.loc["ridge", "honest_r2"] == 0.6 and side.loc["ga_ann", "printed_r2"] == 0.91
+    assert side.loc["ridge", "leakage_free_r2"] == 0.6 and side.loc["ga_ann", "printed_r2"] == 0.91
     assert side.loc["ga_ann", "basis"] == "fixed split"
 
 
 def test_misprints_are_told_on_the_papers_own_table_alone():
-    refit = np.array(paper.EQUATION)
+    refit = np.array(published.EQUATION)
     refit[[1, 8, 16]] = [-0.164, 0.210, 0.218]
-    table, own = paper.compare_equation(-0.019, refit)
+    table, own = published.compare_equation(-0.019, refit)
     assert own and table.loc[0, ["feature", "verdict"]].tolist() == ["intercept", "agrees"]
     found = table[table["verdict"] != "agrees"].set_index("symbol")["verdict"]
     assert found.to_dict() == {
         "X2": "misprinted sign", "X9": "misprinted value", "X17": "misprinted sign",
     }  # fmt: skip
-    table, own = paper.compare_equation(0.0, np.random.default_rng(0).standard_normal(20))
+    table, own = published.compare_equation(0.0, np.random.default_rng(0).standard_normal(20))
     assert not own and set(table["verdict"]) == {"another table"}
 
 
 def test_what_was_printed_is_complete():
-    assert len(paper.EQUATION) == 20 and len(paper.SELECTED) == 12
-    assert set(paper.SELECTED) < set(FEATURE_NAMES)
-    assert paper.SCORES["linear"][0] == pytest.approx(0.68)
+    assert len(published.EQUATION) == 20 and len(published.SELECTED) == 12
+    assert set(published.SELECTED) < set(FEATURE_NAMES)
+    assert published.SCORES["linear"][0] == pytest.approx(0.68)

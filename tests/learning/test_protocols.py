@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from tables import linear_law
 
-from abradem.learning.linear import fit_linear
-from abradem.learning.penalised import fit_penalised
-from abradem.learning.principal import fit_principal
-from abradem.learning.protocols import AS_PUBLISHED, HONEST, folds, published_split
-from abradem.learning.table import learning_table
-from abradem.learning.trees import fit_trees
-from abradem.parameters import FEATURE_NAMES
+from abradem.learning.baselines.linear import fit_linear
+from abradem.learning.baselines.pca import fit_pca
+from abradem.learning.baselines.penalised import fit_penalised
+from abradem.learning.baselines.trees import fit_trees
+from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE, folds, published_split
+from abradem.learning.rows import learning_table
+from abradem.quantities import FEATURE_NAMES
 
 
 @pytest.mark.parametrize("rows", [12, 99, 198])
@@ -43,7 +43,7 @@ def predicted(frame, protocol):
     parts = [
         fit_linear(frame, repeats=1, seed=1).predictions,
         fit_penalised(table, path_points=5, **quick).results.predictions,
-        fit_principal(table, **quick).results.predictions,
+        fit_pca(table, **quick).results.predictions,
         fit_trees(table, forest_trees=5, max_depth=3, **quick).results.predictions,
     ]
     rows = [part[part["protocol"] == protocol] for part in parts]
@@ -54,10 +54,10 @@ def predicted(frame, protocol):
     }
 
 
-def test_honest_models_learn_nothing_from_test_rows_and_published_ones_do():
+def test_leakage_free_models_learn_nothing_from_test_rows_and_published_ones_do():
     frame = linear_law(60, noise=0.3)
     changed = {}
-    for protocol in (HONEST, AS_PUBLISHED):
+    for protocol in (LEAKAGE_FREE, AS_PUBLISHED):
         first = predicted(frame, protocol)
         (cases,) = {tuple(sorted(rows.index)) for rows in first.values()}
         # Another target for all test rows, and other features for the first of them.
@@ -69,6 +69,6 @@ def test_honest_models_learn_nothing_from_test_rows_and_published_ones_do():
         changed[protocol] = {
             model for model in first if not first[model][rest].equals(second[model][rest])
         }
-    assert changed[HONEST] == set()
+    assert changed[LEAKAGE_FREE] == set()
     # All but the tree, which is not scaled, see the test rows in their scalers.
     assert {"lasso", "ridge", "pca"} <= changed[AS_PUBLISHED]

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from abradem.learning.protocols import held_out, repeated_splits
-from abradem.learning.scores import METRICS, SCORE_COLUMNS, r2, score, score_rows, summarise
+from abradem.learning.scores import METRICS, SCORE_COLUMNS, r2, score, score_intervals, score_rows
 
 
 def test_scores_match_values_worked_out_by_hand():
@@ -55,7 +55,7 @@ def test_only_errors_carry_the_unit_of_the_target():
 def test_the_interval_over_repeats_holds_the_central_share():
     keys = dict(model="m", protocol="p", table="t", split="test", target_unit="mm/s")
     rows = [row for k in range(101) for row in score_rows({"R2": k / 100}, **keys, repeat=k)]
-    (line,) = summarise(pd.DataFrame(rows), 0.9).to_dict("records")
+    (line,) = score_intervals(pd.DataFrame(rows), 0.9).to_dict("records")
     assert (line["lower"], line["median"], line["upper"]) == pytest.approx((0.05, 0.5, 0.95))
     assert line["repeats"] == 101 and line["mean"] == pytest.approx(0.5)
 

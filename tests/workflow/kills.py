@@ -172,7 +172,7 @@ def one_kill(
         found = study.content()
         if kind == "cores":
             found, expected = (
-                {name: data for name, data in content.items() if "shard" not in name}
+                {name: data for name, data in content.items() if "batch" not in name}
                 for content in (found, expected)
             )
         differing = [name for name in expected if found.get(name) != expected[name]]
@@ -224,7 +224,7 @@ def main() -> int:
     parser.add_argument("kills", type=int, nargs="?", default=50)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=None)
     options = parser.parse_args()
-    # Compiling anew takes longest.
+    # Compiling again takes longest.
     kinds = options.kinds or [
         *["anywhere"] * 4, *["table"] * 3, "orphans", "report", "compile",
     ]  # fmt: skip

@@ -18,18 +18,18 @@ from pathlib import Path
 import pandas as pd
 import pytest
 import yaml
+from latex_checks import assert_agree, at_source, is_number, macros, rows
 from tables import product_law
-from test_latex import assert_agree, at_source, is_number, macros, rows
 
-from abradem import latex
-from abradem.dataset import read_table
-from abradem.figures.listing import GROUP_OF
-from abradem.parameters import SAMPLED_NAMES
+from abradem.figures.catalogue import GROUP_OF
+from abradem.quantities import SAMPLED_NAMES
+from abradem.report import latex
+from abradem.store.tables import read_table
 
 ROOT = Path(__file__).parents[2]
 SMOKE = "studies/smoke.yaml"
-BLOCKS, SHARDS_PER_BLOCK = 2, 2
-SHARDS = BLOCKS * SHARDS_PER_BLOCK
+BLOCKS, BATCHES_PER_BLOCK = 2, 2
+BATCHES = BLOCKS * BATCHES_PER_BLOCK
 
 OF_LINEAR = {"figure_coefficients": 1, "figure_residuals": 1, "figure_predicted": 1}
 OF_PHYSICAL = {"figure_models": 1, "figure_sensitivity": 1, "figure_reach": 1}
@@ -60,10 +60,10 @@ AFTER_DATASET = {
     **LEARNING, "figure_quality": 1, "noise_floor": 1, "speed_up": 1, "table": 13, "all": 1,
 }  # fmt: skip
 AFTER_WEAR_RATES = {"failures": 1, "dataset": 1, **AFTER_DATASET}
-AFTER_SIMULATION = {"wear_rates": SHARDS, **AFTER_WEAR_RATES, **OF_SIMULATIONS}
+AFTER_SIMULATION = {"wear_rates": BATCHES, **AFTER_WEAR_RATES, **OF_SIMULATIONS}
 # What ranges and code of the simulations reach; the graph of rules is of the workflow alone.
 ALL_OF_RANGES = {
-    "sample": BLOCKS, "join_cases": 1, "simulate": SHARDS, "provenance": 1, "replicates": 4,
+    "sample": BLOCKS, "join_cases": 1, "simulate": BATCHES, "provenance": 1, "replicates": 4,
     **AFTER_SIMULATION, **SCENES,
 }  # fmt: skip
 ALL_OF_SIMULATION = {**ALL_OF_RANGES, "figure_flow": 1}
@@ -111,7 +111,7 @@ class Project:
         return self.run("--dry-run", *targets, overlays=overlays)
 
     def overlay(self, values):
-        """An overlay on the smoke study that holds nested ``values``."""
+        """An override file on the smoke study that holds nested ``values``."""
         path = self.root / "studies" / "change.yaml"
         path.write_text(yaml.safe_dump(values))
         return (SMOKE, "studies/change.yaml")
@@ -170,7 +170,7 @@ def test_every_case_is_in_the_data_set_or_among_the_failures(project):
 def test_the_processor_time_of_every_case_stands_beside_the_results(project):
     parts = sorted((project.results / "benchmarks" / "cases").glob("*.parquet"))
     times = pd.concat(read_table(part) for part in parts)
-    assert len(parts) == SHARDS and times["case_id"].tolist() == list(range(12))
+    assert len(parts) == BATCHES and times["case_id"].tolist() == list(range(12))
     assert (times["processor_time"] > 0.0).all()
 
 
@@ -186,14 +186,14 @@ def test_no_file_of_the_way_is_left(project):
     assert left == []
 
 
-def test_a_shard_takes_half_the_memory_that_it_asks_a_cluster_for(project):
+def test_a_batch_takes_half_the_memory_that_it_asks_a_cluster_for(project):
     shown = project.snakemake(
         "simulation", "--dry-run", "--forcerun", "simulate", "--quiet", "host"
     ).stdout
     asked = re.findall(r"^rule simulate:\n(?:    .*\n)*?.*\bmem_mb=(\d+)", shown, re.MULTILINE)
     measured = (project.results / "benchmarks" / "simulate").glob("*.tsv")
     used = [pd.read_csv(path, sep="\t")["max_rss"].max() for path in measured]
-    assert len(asked) == len(used) == SHARDS
+    assert len(asked) == len(used) == BATCHES
     assert max(used) < min(map(int, asked)) / 2
 
 
@@ -206,7 +206,7 @@ def test_jobs_that_ended_cost_no_more_looks_at_those_that_wait(project):
     done = project.snakemake("--forcerun", "simulate", "--cores", "1", "--verbose", "dataset")
     assert done.returncode == 0, done.stdout
     jobs = sum(job_counts(done.stdout).values())
-    assert jobs > 2 * SHARDS
+    assert jobs > 2 * BATCHES
     assert done.stdout.count("Ready jobs: ") < 2 * jobs
 
 
@@ -312,7 +312,7 @@ def test_an_edited_wear_rate_reruns_wear_rates_and_what_follows(project):
         }),
         ("src/abradem/learning/comparison.py", AFTER_SCORES),
         ("src/abradem/features.py", AFTER_WEAR_RATES),
-        ("src/abradem/shards.py", ALL_OF_SIMULATION),
+        ("src/abradem/batches.py", ALL_OF_SIMULATION),
         ("src/abradem/dem/synchronous.py", ALL_OF_SIMULATION),
         ("workflow/scripts/table.py", {"table": 13}),
         ("src/abradem/config/declaration.py", {}),
@@ -340,20 +340,20 @@ def test_an_edited_rule_redraws_the_graph_of_rules(project):
 
 
 def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
-    shard = "results/smoke/series/block-000-shard-000.parquet"
-    before = (project.root / shard).read_bytes()
-    others = [f"series/block-{b:03d}-shard-{s:03d}.parquet" for b, s in ((0, 1), (1, 0), (1, 1))]
+    batch = "results/smoke/series/block-000-batch-000.parquet"
+    before = (project.root / batch).read_bytes()
+    others = [f"series/block-{b:03d}-batch-{s:03d}.parquet" for b, s in ((0, 1), (1, 0), (1, 1))]
     kept = {name: (project.results / name).read_bytes() for name in others}
     with project.edited(
         "src/abradem/dem/contact.py",
         "force = fma(law.kn * overlap, s,",
         "force = fma(1.2 * law.kn * overlap, s,",
     ):
-        assert project.pending("simulation")["simulate"] == SHARDS
-        assert project.run(shard)["simulate"] == 1
-        assert (project.root / shard).read_bytes() != before
-    project.run(shard)
-    assert (project.root / shard).read_bytes() == before
+        assert project.pending("simulation")["simulate"] == BATCHES
+        assert project.run(batch)["simulate"] == 1
+        assert (project.root / batch).read_bytes() != before
+    project.run(batch)
+    assert (project.root / batch).read_bytes() == before
     assert project.pending() == {}
     assert kept == {name: (project.results / name).read_bytes() for name in others}
 
@@ -502,7 +502,7 @@ def test_two_studies_at_once_in_one_folder_make_what_each_makes_alone(project):
     names = ("left", "right")
     overlays = {}
     for name in names:
-        # An overlay's place is the same for all, so each gets one of its own.
+        # An override file's place is the same for all, so each gets one of its own.
         overlays[name] = (SMOKE, project.root / f"{name}.yaml")
         overlays[name][1].write_text(f"study: {name}\n", encoding="utf-8")
     runs = [
@@ -519,7 +519,7 @@ def test_two_studies_at_once_in_one_folder_make_what_each_makes_alone(project):
     for name in names:
         for part in ("cases", "series", "maps", "runs"):
             together = sorted((project.root / "results" / name / part).glob("block-*.parquet"))
-            assert len(together) == (2 if part == "cases" else SHARDS)
+            assert len(together) == (2 if part == "cases" else BATCHES)
             for path in together:
                 assert path.read_bytes() == (project.results / part / path.name).read_bytes()
 
@@ -537,7 +537,7 @@ def test_a_published_folder_lists_all_that_a_study_made(project):
     figures = {path.name for path in (project.results / "figures").iterdir()}
     assert figures == {path.name for path in (folder / "figures").iterdir()}
     assert {"models/surrogate.safetensors", "learning/scores.parquet"} < found
-    assert len(list((folder / "maps").glob("block=*/*.parquet"))) == SHARDS
+    assert len(list((folder / "maps").glob("block=*/*.parquet"))) == BATCHES
     assert project.pending("publish") == {}
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from abradem.dataset import read_table
+from abradem.store.tables import read_table
 
 ROOT = Path(__file__).parents[2]
 SMOKE = yaml.safe_load((ROOT / "studies" / "smoke.yaml").read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""Many shards: the longest start first, and the graph of jobs grows no faster than they do."""
+"""Many batches: the longest start first, and the graph of jobs grows no faster than they do."""
 
 import os
 import re
@@ -40,7 +40,7 @@ simulation: {cases_per_job: 3}
 
 @pytest.fixture(scope="module")
 def dry_run(tmp_path_factory):
-    """What a dry run of a study of 120 shards prints, with every job."""
+    """What a dry run of a study of 120 batches prints, with every job."""
     root = tmp_path_factory.mktemp("many")
     for name in ("Snakefile", "config.yaml"):
         shutil.copy2(ROOT / name, root)

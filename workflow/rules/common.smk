@@ -1,4 +1,3 @@
-import json
 import os
 import re
 import sys
@@ -13,12 +12,15 @@ from abradem.config import (
     to_yaml,
     typical_case,
 )
-from abradem.cost import shard_seconds
-from abradem.figures.listing import GROUP_OF
-from abradem.locks import Lock
-from abradem.progress import Monitor, Shard
-from abradem.provenance import STEPS, code_hash, step_hash, versions
-from abradem.runtimes import run_times
+from abradem.figures.catalogue import FIGURES, SIMULATIONS
+from abradem.report.tables import TABLES
+from abradem.running.code_hash import files_hash, step_hash
+from abradem.running.progress import BatchOfCases, Monitor
+from abradem.running.provenance import versions
+from abradem.running.run_times import run_times
+from abradem.sampling.cost import batch_seconds
+from abradem.store.files import read_json
+from abradem.store.locks import Lock
 
 
 def file_of_workflow(path):
@@ -30,7 +32,7 @@ def file_of_workflow(path):
 
 
 try:
-    # The overlays of the command line come last, as they were merged. A module has its
+    # The override files of the command line come last, as they were merged. A module has its
     # configuration from the workflow that imports it, whose files are another's.
     CONFIG = load_config(
         config,
@@ -53,27 +55,36 @@ SETUP = setup_dict(CONFIG)
 # Or learned from a table that someone else made.
 SIMULATED = CONFIG.dataset.external is None
 
-# Hash of all code that a step uses, a parameter of its rule: an edit reruns the step.
-CODE = {step: step_hash(step, Path(HOME, "workflow/scripts")) for step in STEPS}
+# Hashes of all code that a rule uses, by its script; a parameter of the rule.
+CODE = {}
+
+
+def code_of(script, *modules):
+    """Hash of the code that a script reaches, also by the modules it is given: an edit reruns."""
+    name = " ".join([script, *modules])
+    if name not in CODE:
+        CODE[name] = step_hash(Path(HOME, f"workflow/scripts/{script}.py"), modules)
+    return CODE[name]
+
 
 BLOCKS = range(CONFIG.sampling.blocks)
-SHARDS = CONFIG.shards
+BATCHES = CONFIG.batches
 
 
-def shard_paths(pattern):
-    """Paths of a table of all shards of all blocks."""
+def batch_paths(pattern):
+    """Paths of a table of all batches of all blocks."""
     return [
-        pattern.format(block=f"{block:03d}", shard=f"{shard:03d}")
+        pattern.format(block=f"{block:03d}", batch=f"{batch:03d}")
         for block in BLOCKS
-        for shard in range(len(SHARDS))
+        for batch in range(len(BATCHES))
     ]
 
 
 @cache
-def seconds_of_shards(block):
-    """Guessed computing times of the shards of a block; nothing but an order follows."""
+def seconds_of_batches(block):
+    """Guessed computing times of the batches of a block; nothing but an order follows."""
     # With SciPy, whose import only a run with simulations has to wait for.
-    from abradem.sampling import block_cases
+    from abradem.sampling.draw import block_cases
 
     drawn = block_cases(
         CONFIG.seed,
@@ -82,39 +93,39 @@ def seconds_of_shards(block):
         CONFIG.sampling.method,
         sampled_ranges(CONFIG),
     )
-    return shard_seconds(drawn, SETUP, SHARDS)
+    return batch_seconds(drawn, SETUP, BATCHES)
 
 
-def seconds_of_shard(wildcards):
-    """Guessed computing time of a shard, s."""
-    return seconds_of_shards(int(wildcards.block))[int(wildcards.shard)]
+def seconds_of_batch(wildcards):
+    """Guessed computing time of a batch, s."""
+    return seconds_of_batches(int(wildcards.block))[int(wildcards.batch)]
 
 
-def shards_with(cases, pattern):
-    """Paths of a table of the shards that hold certain cases of the study."""
+def batches_with(cases, pattern):
+    """Paths of a table of the batches that hold certain cases of the study."""
     size = CONFIG.sampling.cases_per_block
     places = {
-        (case // size, shard)
+        (case // size, batch)
         for case in cases
-        for shard, (start, stop) in enumerate(SHARDS)
+        for batch, (start, stop) in enumerate(BATCHES)
         if start <= case % size < stop
     }
     paths = [
-        pattern.format(block=f"{block:03d}", shard=f"{shard:03d}")
-        for block, shard in sorted(places)
+        pattern.format(block=f"{block:03d}", batch=f"{batch:03d}")
+        for block, batch in sorted(places)
     ]
     return list(dict.fromkeys(paths))
 
 
 # What a job asks a cluster for, where that is not the profile's default: docs/cluster.md has the
-# measurements. A retry asks for more. Minutes of a shard leave room for one case that takes hours.
+# measurements. A retry asks for more. Minutes of a batch leave room for one case that takes hours.
 def growing(first):
     """A resource that grows with the attempts of a job."""
     return lambda wildcards, attempt: first * attempt
 
 
-SHARD_MB = 1500
-SHARD_MINUTES = 180 + max(stop - start for start, stop in SHARDS)
+BATCH_MB = 1500
+BATCH_MINUTES = 180 + max(stop - start for start, stop in BATCHES)
 LEARNING_MB = 4000
 LEARNING_MINUTES = 240
 
@@ -136,20 +147,31 @@ SPEED_TABLES = [
 SPEED_MADE = all(path.is_file() for path in SPEED_TABLES)
 
 
-def figure_file(name, label, suffix):
+def figure_file(name, suffix):
     """The file of a figure in one format, as the report shows it."""
+    entry = FIGURES[name]
     return report(
         f"{RESULTS}/figures/{name}.{suffix}",
-        caption=f"../report/{name}.rst",
+        caption="../report/caption.rst",
         category="Figures",
-        subcategory=GROUP_OF[name],
-        labels={"figure": label, "format": suffix},
+        subcategory=entry.group,
+        labels={"figure": entry.label, "format": suffix},
     )
 
 
-def figure_files(name, label):
+def figure_files(name):
     """The files of a figure, one for each format."""
-    return [figure_file(name, label, suffix) for suffix in FORMATS]
+    return [figure_file(name, suffix) for suffix in FORMATS]
+
+
+def drawn_as(name):
+    """Parameters of a figure's rule: what draws it, its caption, and the hash of its code."""
+    entry = FIGURES[name]
+    return {
+        "draw": entry.draw,
+        "caption": entry.full_caption,
+        "code": code_of("figures/figure", entry.module),
+    }
 
 
 def latex_file(name):
@@ -170,13 +192,13 @@ def part_files(part, suffix):
 
 
 def to_simulate(jobs):
-    """The shards, as the monitor knows them, among the jobs of a run."""
+    """The batches, as the monitor knows them, among the jobs of a run."""
     return {
-        job.output.runs: Shard(
-            cases=len(range(*SHARDS[int(job.wildcards.shard)])),
+        job.output.runs: BatchOfCases(
+            cases=len(range(*BATCHES[int(job.wildcards.batch)])),
             runs=Path(job.output.runs),
             finished=Path(job.params.finished),
-            work=seconds_of_shard(job.wildcards),
+            work=seconds_of_batch(job.wildcards),
         )
         for job in jobs
         if job.rule.name == "simulate"
@@ -202,13 +224,13 @@ MONITOR = Monitor(CONFIG.cases, Path(RESULTS, ".finished"))
 # What the report's overview says; it is there once the results are.
 SUMMARY = Path(RESULTS, "summary.json")
 VERSIONS = Path(RESULTS, "versions.json")
-config["summary"] = json.loads(SUMMARY.read_text()) if SUMMARY.is_file() else {}
-config["recorded"] = json.loads(VERSIONS.read_text()) if VERSIONS.is_file() else {}
+config["summary"] = read_json(SUMMARY) if SUMMARY.is_file() else {}
+config["recorded"] = read_json(VERSIONS) if VERSIONS.is_file() else {}
 config["run_times"] = run_times(Path(RESULTS, "benchmarks"))
 config["resolved"] = CONFIG.model_dump(mode="json")
 
 
 wildcard_constraints:
     block=r"\d+",
-    shard=r"\d+",
+    batch=r"\d+",
     case=r"\d+",

@@ -1,32 +1,7 @@
-WEAR_RATES = shard_paths(
-    f"{RESULTS}/wear_rates/block-{{block}}-shard-{{shard}}.parquet"
-)
-RUNS = shard_paths(f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet")
+RUNS = batch_paths(f"{RESULTS}/runs/block-{{block}}-batch-{{batch}}.parquet")
 # The joins name their inputs by path, not as `rules.<name>.output`: for each file of a named
-# list Snakemake would then hash the whole list, minutes for thousands of shards.
-CASES = f"{RESULTS}/cases.parquet"
+# list Snakemake would then hash the whole list, minutes for thousands of batches.
 FAILURES = f"{RESULTS}/failures.parquet"
-
-
-rule wear_rates:
-    """The wear rates of one shard."""
-    input:
-        cases=f"{RESULTS}/cases/block-{{block}}.parquet",
-        series=rules.simulate.output.series,
-        maps=rules.simulate.output.maps,
-        runs=rules.simulate.output.runs,
-    output:
-        f"{RESULTS}/wear_rates/block-{{block}}-shard-{{shard}}.parquet",
-    log:
-        f"{LOGS}/wear_rates/block-{{block}}-shard-{{shard}}.log",
-    conda:
-        "../envs/abradem.yaml"
-    params:
-        setup=SETUP,
-        options=CONFIG.wear_rate.model_dump(include={"min_batches", "footprint_share"}),
-        code=CODE["wear_rates"],
-    script:
-        "../scripts/wear_rates.py"
 
 
 # A rule of its own, so that they are written whatever is wrong with the data set.
@@ -43,9 +18,9 @@ rule failures:
     conda:
         "../envs/abradem.yaml"
     params:
-        code=CODE["failures"],
+        code=code_of("dataset/failures"),
     script:
-        "../scripts/failures.py"
+        "../scripts/dataset/failures.py"
 
 
 rule dataset:
@@ -70,6 +45,6 @@ rule dataset:
     params:
         options=CONFIG.features.model_dump(),
         max_failed_share=CONFIG.simulation.max_failed_share,
-        code=CODE["dataset"],
+        code=code_of("dataset/dataset"),
     script:
-        "../scripts/dataset.py"
+        "../scripts/dataset/dataset.py"

@@ -1,6 +1,6 @@
 # In the place of sampling, simulation and dataset: a table from elsewhere.
-from abradem.dataset import TableError
-from abradem.external import read_external
+from abradem.store.files import TableError
+from abradem.dataset.external import read_external
 
 EXTERNAL = CONFIG.dataset.external
 
@@ -32,6 +32,6 @@ rule dataset:
     params:
         columns=CONFIG.dataset.columns,
         damping_coefficient=CONFIG.features.damping_coefficient,
-        code=CODE["external"],
+        code=code_of("dataset/external"),
     script:
-        "../scripts/external.py"
+        "../scripts/dataset/external.py"

@@ -1,32 +1,20 @@
-OF_SIMULATIONS = (
-    ["setup", "angles", "series", "quality", "maps", "gallery"] if SIMULATED else []
-)
-OF_PAPER = [
-    "generation",
-    "rules",
-    "architecture",
-    "distributions",
-    *(["verification"] if VERIFICATION_MADE else []),
-    *(["speed"] if SPEED_MADE else []),
-]
-OF_LEARNING = [
-    "coefficients",
-    "residuals",
-    "predicted",
-    "penalised",
-    "selection",
-    "correlations",
-    "loadings",
-    "components",
-    "tree_depth",
-    "tree",
-    "ga_ann",
-    "comparison",
-    "predictions",
-    "models",
-    "sensitivity",
-    "reach",
-]
+# One rule for each figure: a change to one redraws that one alone. Group, label, caption and the
+# function that draws a figure are in abradem.figures.catalogue.
+SHOWN = CONFIG.figures.series_cases
+GALLERY_GRID = {
+    "across": "plate_angle",
+    "down": "particle_velocity_y",
+    "columns": 6,
+    "rows": 5,
+}
+
+
+def is_made(name):
+    """Whether this study has a figure: some need simulations, or results from elsewhere."""
+    needs = {"verification": VERIFICATION_MADE, "speed": SPEED_MADE}
+    return needs.get(name, SIMULATED or FIGURES[name].group != SIMULATIONS) and (
+        SIMULATED or name != "setup"
+    )
 
 
 localrules:
@@ -38,65 +26,224 @@ rule figures:
     input:
         expand(
             f"{RESULTS}/figures/{{name}}.{{format}}",
-            name=OF_SIMULATIONS + OF_LEARNING + OF_PAPER,
+            name=[name for name in FIGURES if is_made(name)],
             format=FORMATS,
         ),
 
 
-# One rule for each figure, or few that one table makes: a change to one remakes only that one.
+if SIMULATED:
+
+    # Figures of single cases take the batches that hold these, so that new blocks leave them as
+    # they are.
+    rule figure_setup:
+        """The simulation set-up: plate, factory and particles, and the wear."""
+        input:
+            particles=f"{RESULTS}/scenes/typical/particles.parquet",
+            wear=f"{RESULTS}/scenes/typical/wear.parquet",
+        output:
+            figure_files("setup"),
+        log:
+            f"{LOGS}/figure_setup.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            **drawn_as("setup"),
+            options={"case": TYPICAL, "setup": SETUP},
+        script:
+            "../scripts/figures/figure.py"
+
+    rule figure_series:
+        """Wear depth against time for some cases."""
+        input:
+            cases=batches_with(SHOWN, f"{RESULTS}/cases/block-{{block}}.parquet"),
+            series=batches_with(SHOWN, rules.simulate.output.series),
+            runs=batches_with(SHOWN, rules.simulate.output.runs),
+        output:
+            figure_files("series"),
+        log:
+            f"{LOGS}/figure_series.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            **drawn_as("series"),
+            options={
+                "shown": SHOWN,
+                "setup": SETUP,
+                "min_batches": CONFIG.wear_rate.min_batches,
+            },
+        script:
+            "../scripts/figures/figure.py"
+
+    rule figure_angles:
+        """Wear depth against time for angles of plate and factory."""
+        input:
+            curves=rules.angles.output.curves,
+            rates=rules.angles.output.rates,
+        output:
+            figure_files("angles"),
+        log:
+            f"{LOGS}/figure_angles.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            **drawn_as("angles"),
+            options={"case": TYPICAL, "duration": CONFIG.figures.angles.duration_s},
+        script:
+            "../scripts/figures/figure.py"
+
+    rule figure_quality:
+        """How well the wear rates are known."""
+        input:
+            dataset=rules.dataset.output[0],
+        output:
+            figure_files("quality"),
+        log:
+            f"{LOGS}/figure_quality.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            **drawn_as("quality"),
+            options={
+                "target_stderr": CONFIG.simulation.stop.target_stderr,
+                "good_r2": CONFIG.wear_rate.good_r2,
+            },
+        script:
+            "../scripts/figures/figure.py"
+
+    rule figure_maps:
+        """Where on the plate the wear is, for some cases."""
+        input:
+            cases=batches_with(SHOWN, f"{RESULTS}/cases/block-{{block}}.parquet"),
+            maps=batches_with(SHOWN, rules.simulate.output.maps),
+            runs=batches_with(SHOWN, rules.simulate.output.runs),
+        output:
+            figure_files("maps"),
+        log:
+            f"{LOGS}/figure_maps.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            **drawn_as("maps"),
+            options={"shown": SHOWN, "setup": SETUP},
+        script:
+            "../scripts/figures/figure.py"
+
+    rule figure_gallery:
+        """Wear maps over the parameter space."""
+        input:
+            cases=CASES,
+            maps=batch_paths(rules.simulate.output.maps),
+            runs=RUNS,
+        output:
+            figure_files("gallery"),
+        log:
+            f"{LOGS}/figure_gallery.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            **drawn_as("gallery"),
+            options={"setup": SETUP, "grid": GALLERY_GRID},
+        script:
+            "../scripts/figures/figure.py"
+
+
+rule figure_generation:
+    """Flow chart: generation of the data, set-up of a simulation."""
+    input:
+        graph=rules.rule_graph.output[0],
+    output:
+        figure_files("generation"),
+    log:
+        f"{LOGS}/figure_generation.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("generation"),
+        options={
+            "study": {
+                "cases": CONFIG.cases,
+                "blocks": CONFIG.sampling.blocks,
+                "jobs": CONFIG.jobs,
+                "method": CONFIG.sampling.method,
+                "seed": CONFIG.seed,
+                "external": CONFIG.dataset.external,
+            },
+            "setup": SETUP if SIMULATED else None,
+        },
+    script:
+        "../scripts/figures/figure.py"
+
+
+rule figure_rules:
+    """Flow chart: all rules of the workflow."""
+    input:
+        graph=rules.rule_graph.output[0],
+    output:
+        figure_files("rules"),
+    log:
+        f"{LOGS}/figure_rules.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("rules"),
+        options={},
+    script:
+        "../scripts/figures/figure.py"
+
+
 rule figure_coefficients:
     """Coefficients of the linear regression."""
     input:
-        table=rules.linear.output.coefficients,
-        summary=rules.linear.output.summary,
+        coefficients=rules.linear.output.coefficients,
+        model=rules.linear.output.summary,
     output:
-        figure_files("coefficients", "coefficients"),
+        figure_files("coefficients"),
     log:
         f"{LOGS}/figure_coefficients.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        formats=FORMATS,
-        code=CODE["figure_coefficients"],
+        **drawn_as("coefficients"),
+        options={},
     script:
-        "../scripts/figure_coefficients.py"
+        "../scripts/figures/figure.py"
 
 
 rule figure_predicted:
-    """Predicted against actual wear, held-out cases."""
+    """Predicted against simulated wear, held-out cases."""
     input:
-        table=rules.linear.output.predictions,
-        summary=rules.linear.output.summary,
+        predictions=rules.linear.output.predictions,
+        model=rules.linear.output.summary,
     output:
-        figure_files("predicted", "predicted against actual"),
+        figure_files("predicted"),
     log:
         f"{LOGS}/figure_predicted.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        formats=FORMATS,
-        code=CODE["figure_predicted"],
+        **drawn_as("predicted"),
+        options={},
     script:
-        "../scripts/figure_predicted.py"
+        "../scripts/figures/figure.py"
 
 
 rule figure_residuals:
-    """What is left of the wear after the linear equation, and how features depend on each other."""
+    """Residuals of the linear regression, and how features depend on each other."""
     input:
-        summary=rules.linear.output.summary,
         residuals=rules.linear.output.residuals,
         coefficients=rules.linear.output.coefficients,
+        model=rules.linear.output.summary,
     output:
-        figure_files("residuals", "residuals of the linear regression"),
+        figure_files("residuals"),
     log:
         f"{LOGS}/figure_residuals.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        formats=FORMATS,
-        code=CODE["figure_residuals"],
+        **drawn_as("residuals"),
+        options={},
     script:
-        "../scripts/figure_residuals.py"
+        "../scripts/figures/figure.py"
 
 
 rule figure_penalised:
@@ -107,16 +254,16 @@ rule figure_penalised:
         weights=rules.penalised.output.weights,
         summary=rules.penalised.output.summary,
     output:
-        figure_files("penalised", "lasso and ridge"),
+        figure_files("penalised"),
     log:
         f"{LOGS}/figure_penalised.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        formats=FORMATS,
-        code=CODE["figure_penalised"],
+        **drawn_as("penalised"),
+        options={},
     script:
-        "../scripts/figure_penalised.py"
+        "../scripts/figures/figure.py"
 
 
 rule figure_selection:
@@ -125,61 +272,107 @@ rule figure_selection:
         selection=rules.selection.output.selection,
         summary=rules.selection.output.summary,
     output:
-        figure_files("selection", "selection of features"),
+        figure_files("selection"),
     log:
         f"{LOGS}/figure_selection.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        formats=FORMATS,
-        code=CODE["figure_selection"],
+        **drawn_as("selection"),
+        options={},
     script:
-        "../scripts/figure_selection.py"
+        "../scripts/figures/figure.py"
 
 
-rule figure_pca:
-    """Correlations, loadings, and regression on principal components."""
+rule figure_correlations:
+    """Correlations of the quantities."""
+    input:
+        correlations=rules.pca.output.correlations,
+        model=rules.pca.output.model,
+    output:
+        figure_files("correlations"),
+    log:
+        f"{LOGS}/figure_correlations.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("correlations"),
+        options={},
+    script:
+        "../scripts/figures/figure.py"
+
+
+rule figure_loadings:
+    """Variances and loadings of the principal components."""
     input:
         loadings=rules.pca.output.loadings,
         scree=rules.pca.output.scree,
-        correlations=rules.pca.output.correlations,
-        curve=rules.pca.output.curve,
         summary=rules.pca.output.summary,
-        model=rules.pca.output.model,
     output:
-        correlations=figure_files("correlations", "correlations"),
-        loadings=figure_files("loadings", "principal components"),
-        curve=figure_files("components", "regression on components"),
+        figure_files("loadings"),
     log:
-        f"{LOGS}/figure_pca.log",
+        f"{LOGS}/figure_loadings.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        formats=FORMATS,
-        code=CODE["figure_pca"],
+        **drawn_as("loadings"),
+        options={},
     script:
-        "../scripts/figure_pca.py"
+        "../scripts/figures/figure.py"
 
 
-rule figure_trees:
-    """How deep a tree may grow, and the pruned one."""
+rule figure_components:
+    """Regression on principal components."""
+    input:
+        curve=rules.pca.output.curve,
+    output:
+        figure_files("components"),
+    log:
+        f"{LOGS}/figure_components.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("components"),
+        options={},
+    script:
+        "../scripts/figures/figure.py"
+
+
+rule figure_tree_depth:
+    """How deep a tree may grow."""
     input:
         curve=rules.trees.output.curve,
         importance=rules.trees.output.importance,
-        nodes=rules.trees.output.nodes,
         summary=rules.trees.output.summary,
     output:
-        curve=figure_files("tree_depth", "depth of the tree"),
-        tree=figure_files("tree", "decision tree"),
+        figure_files("tree_depth"),
     log:
-        f"{LOGS}/figure_trees.log",
+        f"{LOGS}/figure_tree_depth.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        formats=FORMATS,
-        code=CODE["figure_trees"],
+        **drawn_as("tree_depth"),
+        options={},
     script:
-        "../scripts/figure_trees.py"
+        "../scripts/figures/figure.py"
+
+
+rule figure_tree:
+    """The pruned decision tree."""
+    input:
+        nodes=rules.trees.output.nodes,
+        summary=rules.trees.output.summary,
+    output:
+        figure_files("tree"),
+    log:
+        f"{LOGS}/figure_tree.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("tree"),
+        options={},
+    script:
+        "../scripts/figures/figure.py"
 
 
 rule figure_ga_ann:
@@ -189,34 +382,182 @@ rule figure_ga_ann:
         scores=expand(rules.ga_ann.output.scores, protocol=PROTOCOLS),
         summaries=expand(rules.ga_ann.output.summary, protocol=PROTOCOLS),
     output:
-        figure_files("ga_ann", "genetic search"),
+        figure_files("ga_ann"),
     log:
         f"{LOGS}/figure_ga_ann.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        formats=FORMATS,
-        code=CODE["figure_ga_ann"],
+        **drawn_as("ga_ann"),
+        options={},
     script:
-        "../scripts/figure_ga_ann.py"
+        "../scripts/figures/figure.py"
+
+
+rule figure_architecture:
+    """The networks that the genetic search found."""
+    input:
+        summaries=expand(rules.ga_ann.output.summary, protocol=PROTOCOLS),
+    output:
+        figure_files("architecture"),
+    log:
+        f"{LOGS}/figure_architecture.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("architecture"),
+        options={},
+    script:
+        "../scripts/figures/figure.py"
+
+
+rule figure_distributions:
+    """Distributions of standardised wear, predictions and errors."""
+    input:
+        dataset=rules.dataset.output[0],
+        predictions=rules.scores.output.predictions,
+    output:
+        figure_files("distributions"),
+    log:
+        f"{LOGS}/figure_distributions.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("distributions"),
+        options={"target": LEARNING.target, "model": "ga_ann"},
+    script:
+        "../scripts/figures/figure.py"
+
+
+rule figure_models:
+    """The models on dimensionless groups on one page."""
+    input:
+        comparison=rules.scores.output.comparison,
+        calibration=rules.intervals.output.calibration,
+        curve=rules.reach.output.curve,
+        indices=rules.sensitivity.output.indices,
+        exponents=rules.fit_physical.output.exponents,
+        noise=NOISE_SUMMARY,
+    output:
+        figure_files("models"),
+    log:
+        f"{LOGS}/figure_models.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("models"),
+        options={"table": CONFIG.study},
+    script:
+        "../scripts/figures/figure.py"
+
+
+rule figure_sensitivity:
+    """Sobol indices, permutation importance, partial dependence."""
+    input:
+        indices=rules.sensitivity.output.indices,
+        falls=rules.sensitivity.output.falls,
+        dependence=rules.sensitivity.output.dependence,
+    output:
+        figure_files("sensitivity"),
+    log:
+        f"{LOGS}/figure_sensitivity.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("sensitivity"),
+        options={"table": CONFIG.study},
+    script:
+        "../scripts/figures/figure.py"
+
+
+rule figure_reach:
+    """Extrapolation and every target."""
+    input:
+        extrapolation=rules.reach.output.extrapolation,
+        targets=rules.reach.output.targets,
+    output:
+        figure_files("reach"),
+    log:
+        f"{LOGS}/figure_reach.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("reach"),
+        options={"table": CONFIG.study},
+    script:
+        "../scripts/figures/figure.py"
 
 
 rule figure_comparison:
     """All models side by side."""
     input:
-        predictions=rules.scores.output.predictions,
         comparison=rules.scores.output.comparison,
         beside_paper=rules.scores.output.beside_paper,
     output:
-        comparison=figure_files("comparison", "all models"),
-        predictions=figure_files("predictions", "predictions of all models"),
+        figure_files("comparison"),
     log:
         f"{LOGS}/figure_comparison.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        table=CONFIG.study,
-        formats=FORMATS,
-        code=CODE["figure_comparison"],
+        **drawn_as("comparison"),
+        options={"table": CONFIG.study},
     script:
-        "../scripts/figure_comparison.py"
+        "../scripts/figures/figure.py"
+
+
+rule figure_predictions:
+    """Predictions of all models on held-out cases."""
+    input:
+        predictions=rules.scores.output.predictions,
+        comparison=rules.scores.output.comparison,
+    output:
+        figure_files("predictions"),
+    log:
+        f"{LOGS}/figure_predictions.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("predictions"),
+        options={},
+    script:
+        "../scripts/figures/figure.py"
+
+
+if VERIFICATION_MADE:
+
+    # Not an input of the study: it shows what `make verify` found last, and does not repeat it.
+    rule figure_verification:
+        """The verification study at a glance."""
+        output:
+            figure_files("verification"),
+        log:
+            f"{LOGS}/figure_verification.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            **drawn_as("verification"),
+            shown={"checks": str(VERIFICATION_CHECKS)},
+            content=files_hash(VERIFICATION_CHECKS),
+            options={},
+        script:
+            "../scripts/figures/figure.py"
+
+
+if SPEED_MADE:
+
+    rule figure_speed:
+        """Cost of simulations."""
+        output:
+            figure_files("speed"),
+        log:
+            f"{LOGS}/figure_speed.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            **drawn_as("speed"),
+            shown={path.stem: str(path) for path in SPEED_TABLES},
+            content=files_hash(*SPEED_TABLES),
+            options={},
+        script:
+            "../scripts/figures/figure.py"

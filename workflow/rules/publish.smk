@@ -19,7 +19,7 @@ rule published_folder:
         rules.provenance.output,
         rules.summary.output,
         rules.figures.input,
-        expand(rules.table.output, table=TABLES),
+        expand(rules.table.output, table=TABLE_FILES),
         rules.linear.output,
         rules.penalised.output,
         rules.pca.output,
@@ -27,7 +27,7 @@ rule published_folder:
         rules.trees.output,
         expand(rules.ga_ann.output, protocol=PROTOCOLS),
         rules.scores.output,
-        rules.physical.output,
+        rules.fit_physical.output,
         rules.intervals.output,
         rules.surrogate.output,
         rules.sensitivity.output,
@@ -36,8 +36,8 @@ rule published_folder:
         rules.findings.output,
         (
             [
-                *shard_paths(rules.simulate.output.series),
-                *shard_paths(rules.simulate.output.maps),
+                *batch_paths(rules.simulate.output.series),
+                *batch_paths(rules.simulate.output.maps),
                 *RUNS,
             ]
             if CONFIG.publish.series
@@ -58,6 +58,6 @@ rule published_folder:
             "setup": SETUP,
             "said": CONFIG.publish.model_dump(),
         },
-        code=CODE["publish"],
+        code=code_of("publish/publish"),
     script:
-        "../scripts/publish.py"
+        "../scripts/publish/publish.py"

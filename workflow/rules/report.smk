@@ -3,8 +3,9 @@ if not IN_MODULE:
     report: "../report/workflow.rst"
 
 
-# Tables that the report offers for reading; the Parquet files stay the data.
-TABLES = {
+# Tables that the report offers for reading, see abradem.report.tables; the Parquet files stay
+# the data.
+TABLE_FILES = {
     "linear_coefficients": rules.linear.output.coefficients,
     "linear_published": rules.linear.output.published,
     "penalised_weights": rules.penalised.output.weights,
@@ -12,7 +13,7 @@ TABLES = {
     "scores": rules.scores.output.scores,
     "comparison": rules.scores.output.comparison,
     "beside_paper": rules.scores.output.beside_paper,
-    "power_law": rules.physical.output.exponents,
+    "power_law": rules.fit_physical.output.exponents,
     "targets": rules.reach.output.targets,
     "extrapolation": rules.reach.output.extrapolation,
     "sobol": rules.sensitivity.output.indices,
@@ -21,15 +22,41 @@ TABLES = {
 }
 
 
+# Files that numbers of a text are read from.
+CITED = [
+    "dataset.parquet",
+    "summary.json",
+    "learning/comparison.parquet",
+    "learning/beside_paper.parquet",
+    "learning/scores.parquet",
+    "learning/selection.parquet",
+    *(f"learning/ga_ann_{protocol}.json" for protocol in PROTOCOLS),
+]
+# Of the configuration only what is cited, so that other keys leave the tables as they are.
+CITED_KEYS = {
+    "study": True,
+    "seed": True,
+    "sampling": True,
+    "simulation": {"plate", "factory", "time_step_rayleigh_fraction", "stop"},
+    "features": True,
+    "learning": {"repeats", "test_share"},
+}
+IN_LATEX = ["numbers", "quantities", "features", "models", "verification"]
+
+
 localrules:
     documents,
+    paper,
+    movie,
+    vtk,
 
 
 rule documents:
-    """Target: tables, numbers for LaTeX, configuration and versions."""
+    """Target: tables, findings, numbers for LaTeX, configuration and versions."""
     input:
-        expand(f"{RESULTS}/tables/{{table}}.csv", table=TABLES),
+        expand(f"{RESULTS}/tables/{{table}}.csv", table=TABLE_FILES),
         f"{RESULTS}/summary.json",
+        f"{RESULTS}/models/findings.html",
         f"{RESULTS}/config.yaml",
         f"{RESULTS}/versions.json",
         expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
@@ -38,7 +65,7 @@ rule documents:
 rule table:
     """A table as text, for reading."""
     input:
-        lambda wildcards: TABLES[wildcards.table],
+        lambda wildcards: TABLE_FILES[wildcards.table],
     output:
         report(
             f"{RESULTS}/tables/{{table}}.csv",
@@ -51,9 +78,11 @@ rule table:
     conda:
         "../envs/abradem.yaml"
     params:
-        code=CODE["table"],
+        # Read by the report.
+        caption=lambda wildcards: TABLES[wildcards.table],
+        code=code_of("report/table"),
     script:
-        "../scripts/table.py"
+        "../scripts/report/table.py"
 
 
 rule summary:
@@ -61,7 +90,7 @@ rule summary:
     input:
         dataset=rules.dataset.output[0],
         failures=rules.failures.output[0] if SIMULATED else [],
-        model=rules.linear.output.summary,
+        linear=rules.linear.output.summary,
         comparison=rules.scores.output.comparison,
     output:
         SUMMARY,
@@ -70,36 +99,180 @@ rule summary:
     conda:
         "../envs/abradem.yaml"
     params:
-        good_r2=CONFIG.wear_rate.good_r2,
-        external=CONFIG.dataset.external,
-        code=CODE["summary"],
+        options={
+            "good_r2": CONFIG.wear_rate.good_r2,
+            "external": CONFIG.dataset.external,
+        },
+        code=code_of("report/summary"),
     script:
-        "../scripts/summary.py"
+        "../scripts/report/summary.py"
 
 
-# Nothing depends on these files, so another machine or another version reruns only this.
-rule provenance:
-    """The resolved configuration, and what else identifies the run."""
+rule findings:
+    """What the models say, in sentences."""
+    input:
+        physical=rules.fit_physical.output.summary,
+        intervals=rules.intervals.output.summary,
+        surrogate=rules.surrogate.output.model,
+        sensitivity=rules.sensitivity.output.summary,
+        curve=rules.reach.output.curve,
+        extrapolation=rules.reach.output.extrapolation,
+        indices=rules.sensitivity.output.indices,
+        falls=rules.sensitivity.output.falls,
+        noise=NOISE_SUMMARY,
+        speed=rules.speed_up.output[0] if SIMULATED else [],
     output:
-        config=report(
-            f"{RESULTS}/config.yaml",
-            caption="../report/config.rst",
-            category="Provenance",
-            labels={"file": "resolved configuration"},
-        ),
-        versions=report(
-            f"{RESULTS}/versions.json",
-            caption="../report/versions.rst",
-            category="Provenance",
-            labels={"file": "versions and seed"},
+        report(
+            f"{RESULTS}/models/findings.html",
+            caption="../report/findings.rst",
+            category="Models",
+            labels={"model": "on dimensionless groups", "content": "findings"},
         ),
     log:
-        f"{LOGS}/provenance.log",
+        f"{LOGS}/findings.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        config=to_yaml(CONFIG),
-        recorded={"seed": CONFIG.seed, "versions": versions(), "code": CODE},
-        code=CODE["provenance"],
+        table=CONFIG.study,
+        code=code_of("report/findings"),
     script:
-        "../scripts/provenance.py"
+        "../scripts/report/findings.py"
+
+
+rule latex:
+    """Target: tables and numbers for a LaTeX text."""
+    input:
+        expand(f"{RESULTS}/{{file}}", file=CITED),
+    output:
+        **{name: latex_file(name) for name in IN_LATEX},
+    log:
+        f"{LOGS}/latex.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        study=CONFIG.study,
+        config=CONFIG.model_dump(mode="json", include=CITED_KEYS),
+        names=CITED + (["../verification/checks.parquet"] if VERIFICATION_MADE else []),
+        files=lambda wildcards, input: [
+            *input,
+            *([str(VERIFICATION_CHECKS)] if VERIFICATION_MADE else []),
+        ],
+        verification=files_hash(VERIFICATION_CHECKS) if VERIFICATION_MADE else None,
+        code=code_of("report/latex"),
+    script:
+        "../scripts/report/latex.py"
+
+
+# On demand, as it needs a LaTeX: snakemake paper.
+rule paper:
+    """Target, on demand: the example text as PDF; needs a LaTeX."""
+    input:
+        f"{RESULTS}/paper.pdf",
+
+
+rule paper_pdf:
+    """The example text with the tables, numbers and figures of a study, as PDF."""
+    input:
+        text=file_of_workflow("paper/main.tex"),
+        included=rules.latex.output,
+        figures=expand(
+            f"{RESULTS}/figures/{{name}}.pdf",
+            name=[
+                *(["setup", "generation", "angles", "maps"] if SIMULATED else []),
+                "coefficients",
+                "comparison",
+                "architecture",
+            ],
+        ),
+    output:
+        f"{RESULTS}/paper.pdf",
+    log:
+        f"{LOGS}/paper_pdf.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        folder=lambda wildcards, output: os.path.dirname(output[0]),
+        code=code_of("report/typeset"),
+    script:
+        "../scripts/report/typeset.py"
+
+
+if SIMULATED:
+
+    # On demand: snakemake movie. Needs an encoder, pip install -e '.[movie]'.
+    FILMED = [f"plate_{angle:g}" for angle in FILM.plate_angles]
+
+    rule movie:
+        """Target, on demand: a film of wear growing on plates; needs the extra movie."""
+        input:
+            f"{RESULTS}/movie/wear.mp4",
+            f"{RESULTS}/movie/wear.png",
+
+    rule film:
+        """The film of plates side by side, and its last picture."""
+        input:
+            particles=expand(rules.scene.output.particles, scene=FILMED),
+            wear=expand(rules.scene.output.wear, scene=FILMED),
+        output:
+            film=f"{RESULTS}/movie/wear.mp4",
+            still=f"{RESULTS}/movie/wear.png",
+        log:
+            f"{LOGS}/film.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            cases=[{**TYPICAL, **SCENES[scene][0]} for scene in FILMED],
+            setup=SETUP,
+            width=FILM.panel_pixels,
+            per_second=FILM.frames_per_second,
+            code=code_of("report/movie"),
+        script:
+            "../scripts/report/movie.py"
+
+    # On demand: snakemake vtk. The typical case, and those of simulation.export.
+    rule vtk:
+        """Target, on demand: particles and plate for ParaView."""
+        input:
+            f"{RESULTS}/vtk/typical",
+            expand(f"{RESULTS}/vtk/case-{{case}}", case=CONFIG.simulation.export.cases),
+
+    rule vtk_of_scene:
+        """Snapshots of a case for ParaView."""
+        input:
+            particles=f"{RESULTS}/scenes/{{scene}}/particles.parquet",
+            wear=f"{RESULTS}/scenes/{{scene}}/wear.parquet",
+        output:
+            directory(f"{RESULTS}/vtk/{{scene}}"),
+        log:
+            f"{LOGS}/vtk/{{scene}}.log",
+        wildcard_constraints:
+            scene="|".join(map(re.escape, SCENES)),
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            case=lambda wildcards: {**TYPICAL, **SCENES[wildcards.scene][0]},
+            setup=SETUP,
+            code=code_of("report/vtk"),
+        script:
+            "../scripts/report/vtk.py"
+
+    rule vtk_of_case:
+        """Snapshots of a case for ParaView."""
+        input:
+            particles=rules.snapshots_of_case.output.particles,
+            wear=rules.snapshots_of_case.output.wear,
+            cases=lambda wildcards: batches_with(
+                [int(wildcards.case)], f"{RESULTS}/cases/block-{{block}}.parquet"
+            ),
+        output:
+            directory(f"{RESULTS}/vtk/case-{{case}}"),
+        log:
+            f"{LOGS}/vtk/case-{{case}}.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            case=None,
+            setup=SETUP,
+            code=code_of("report/vtk"),
+        script:
+            "../scripts/report/vtk.py"

@@ -1,3 +1,6 @@
+CASES = f"{RESULTS}/cases.parquet"
+
+
 localrules:
     sampling,
 
@@ -5,7 +8,7 @@ localrules:
 rule sampling:
     """Target: the parameter sets of all cases."""
     input:
-        f"{RESULTS}/cases.parquet",
+        CASES,
 
 
 rule sample:
@@ -26,9 +29,9 @@ rule sample:
             "ranges": sampled_ranges(CONFIG),
         },
         setup=SETUP,
-        code=CODE["sample"],
+        code=code_of("sampling/sample"),
     script:
-        "../scripts/sample.py"
+        "../scripts/sampling/sample.py"
 
 
 # A join made of the blocks, never their source: new blocks leave the old ones untouched.
@@ -38,7 +41,7 @@ rule join_cases:
         expand(f"{RESULTS}/cases/block-{{block:03d}}.parquet", block=BLOCKS),
     output:
         report(
-            f"{RESULTS}/cases.parquet",
+            CASES,
             caption="../report/cases.rst",
             category="Data",
             labels={"table": "parameter sets"},
@@ -48,6 +51,6 @@ rule join_cases:
     conda:
         "../envs/abradem.yaml"
     params:
-        code=CODE["join_cases"],
+        code=code_of("sampling/join_cases"),
     script:
-        "../scripts/join_cases.py"
+        "../scripts/sampling/join_cases.py"

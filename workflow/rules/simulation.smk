@@ -1,50 +1,69 @@
+# Short simulations for pictures, of the case that stands for the study.
+TYPICAL = typical_case(CONFIG)
+PICTURED = CONFIG.figures.typical
+FILM = CONFIG.figures.movie
+
+# Each with what differs from the typical case, its duration and the time between snapshots, s.
+SCENES = {
+    "typical": ({}, PICTURED.duration_s, PICTURED.interval_s),
+    **{
+        f"plate_{angle:g}": (
+            {"plate_angle": angle},
+            FILM.duration_s,
+            1.0 / (FILM.frames_per_second * FILM.slow_motion),
+        )
+        for angle in FILM.plate_angles
+    },
+}
+
+
 localrules:
     simulation,
-    exports,
+    snapshots,
 
 
 rule simulation:
     """Target: the simulations of all cases."""
     input:
-        shard_paths(f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet"),
+        batch_paths(f"{RESULTS}/runs/block-{{block}}-batch-{{batch}}.parquet"),
         # With it, `abradem simulate` repeats a case of these very simulations.
         f"{RESULTS}/config.yaml",
 
 
-# A shard depends on its block's cases alone, so that a study grows by its new blocks.
+# A batch depends on its block's cases alone, so that a study grows by its new blocks.
 rule simulate:
-    """The simulations of one shard."""
+    """The simulations of one batch."""
     input:
         cases=f"{RESULTS}/cases/block-{{block}}.parquet",
     output:
-        series=f"{RESULTS}/series/block-{{block}}-shard-{{shard}}.parquet",
-        maps=f"{RESULTS}/maps/block-{{block}}-shard-{{shard}}.parquet",
-        times=f"{RESULTS}/benchmarks/cases/block-{{block}}-shard-{{shard}}.parquet",
-        runs=f"{RESULTS}/runs/block-{{block}}-shard-{{shard}}.parquet",
+        series=f"{RESULTS}/series/block-{{block}}-batch-{{batch}}.parquet",
+        maps=f"{RESULTS}/maps/block-{{block}}-batch-{{batch}}.parquet",
+        times=f"{RESULTS}/benchmarks/cases/block-{{block}}-batch-{{batch}}.parquet",
+        runs=f"{RESULTS}/runs/block-{{block}}-batch-{{batch}}.parquet",
     log:
-        f"{LOGS}/simulate/block-{{block}}-shard-{{shard}}.log",
+        f"{LOGS}/simulate/block-{{block}}-batch-{{batch}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/simulate/block-{{block}}-shard-{{shard}}.tsv"
+        f"{RESULTS}/benchmarks/simulate/block-{{block}}-batch-{{batch}}.tsv"
     # The longest first, else the last of them keeps one core busy while the others wait.
-    priority: seconds_of_shard
+    priority: seconds_of_batch
     conda:
         "../envs/abradem.yaml"
     resources:
-        mem_mb=growing(SHARD_MB),
-        runtime=growing(SHARD_MINUTES),
+        mem_mb=growing(BATCH_MB),
+        runtime=growing(BATCH_MINUTES),
     params:
         setup=SETUP,
-        rows=lambda wildcards: SHARDS[int(wildcards.shard)],
+        rows=lambda wildcards: BATCHES[int(wildcards.batch)],
         # Beside the outputs, wherever an importing workflow puts them.
         finished=lambda wildcards, output: beside(
             output.runs, f".finished/{Path(output.runs).stem}"
         ),
-        code=CODE["simulate"],
+        code=code_of("simulation/simulate"),
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulation/simulate.py"
 
 
-rule exports:
+rule snapshots:
     """Target: snapshots of the cases of simulation.export."""
     input:
         expand(
@@ -54,10 +73,10 @@ rule exports:
         ),
 
 
-rule export:
+rule snapshots_of_case:
     """Snapshots of one case at regular intervals."""
     input:
-        lambda wildcards: shards_with(
+        lambda wildcards: batches_with(
             [int(wildcards.case)], f"{RESULTS}/cases/block-{{block}}.parquet"
         ),
     output:
@@ -69,11 +88,36 @@ rule export:
     conda:
         "../envs/abradem.yaml"
     resources:
-        mem_mb=growing(SHARD_MB),
-        runtime=growing(SHARD_MINUTES),
+        mem_mb=growing(BATCH_MB),
+        runtime=growing(BATCH_MINUTES),
     params:
         setup=SETUP,
         interval=CONFIG.simulation.export.interval_s,
-        code=CODE["export"],
+        code=code_of("simulation/snapshots"),
     script:
-        "../scripts/export.py"
+        "../scripts/simulation/snapshots.py"
+
+
+rule scene:
+    """Snapshots of a case of the pictures."""
+    output:
+        particles=f"{RESULTS}/scenes/{{scene}}/particles.parquet",
+        contacts=f"{RESULTS}/scenes/{{scene}}/contacts.parquet",
+        wear=f"{RESULTS}/scenes/{{scene}}/wear.parquet",
+    log:
+        f"{LOGS}/scene/{{scene}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/scene/{{scene}}.tsv"
+    wildcard_constraints:
+        scene="|".join(map(re.escape, SCENES)),
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        case=lambda wildcards: {**TYPICAL, **SCENES[wildcards.scene][0]},
+        setup=SETUP,
+        options=lambda wildcards: dict(
+            zip(("duration", "interval"), SCENES[wildcards.scene][1:])
+        ),
+        code=code_of("simulation/scene"),
+    script:
+        "../scripts/simulation/scene.py"

@@ -5,7 +5,7 @@ VERIFICATION_LOGS = f"{VERIFIED}/logs"
 
 # What the report of a study says of it, once it was made.
 VERDICTS = Path(VERIFIED, "summary.json")
-config["verification"] = json.loads(VERDICTS.read_text()) if VERDICTS.is_file() else {}
+config["verification"] = read_json(VERDICTS) if VERDICTS.is_file() else {}
 
 # The tables of each part; every part has its checks.
 PARTS = {
@@ -42,6 +42,16 @@ VERIFICATION_FIGURES = {
 VERIFICATION_FORMATS = ["pdf", "png"]
 
 
+def part(name, source=None):
+    """Tables of a part, its module, and the hash of the code behind it."""
+    source = f"abradem.verification.{source or name}"
+    return {
+        "tables": PARTS[name],
+        "module": source,
+        "code": code_of("verification/part", source),
+    }
+
+
 rule verification:
     """Target, on demand: the engine against what is known."""
     input:
@@ -63,10 +73,9 @@ rule verification_laws:
     conda:
         "../envs/abradem.yaml"
     params:
-        tables=PARTS["laws"],
-        code=CODE["verification_laws"],
+        **part("laws"),
     script:
-        "../scripts/verification_laws.py"
+        "../scripts/verification/part.py"
 
 
 rule verification_chung_ooi:
@@ -79,10 +88,9 @@ rule verification_chung_ooi:
     conda:
         "../envs/abradem.yaml"
     params:
-        tables=PARTS["chung_ooi"],
-        code=CODE["verification_chung_ooi"],
+        **part("chung_ooi"),
     script:
-        "../scripts/verification_chung_ooi.py"
+        "../scripts/verification/part.py"
 
 
 rule verification_codes:
@@ -99,14 +107,13 @@ rule verification_codes:
     conda:
         "../envs/abradem.yaml"
     params:
-        tables=PARTS["codes"],
-        code=CODE["verification_codes"],
+        **part("codes"),
     script:
-        "../scripts/verification_codes.py"
+        "../scripts/verification/part.py"
 
 
 rule verification_time_step:
-    """What the step does to each reading."""
+    """What the step does to each wear measure."""
     output:
         **part_files("time_step", "parquet"),
         text=list(part_files("time_step", "csv").values()),
@@ -115,10 +122,9 @@ rule verification_time_step:
     conda:
         "../envs/abradem.yaml"
     params:
-        tables=PARTS["time_step"],
-        code=CODE["verification_time_step"],
+        **part("time_step"),
     script:
-        "../scripts/verification_time_step.py"
+        "../scripts/verification/part.py"
 
 
 rule verification_statistics:
@@ -131,10 +137,9 @@ rule verification_statistics:
     conda:
         "../envs/abradem.yaml"
     params:
-        tables=PARTS["statistics"],
-        code=CODE["verification_statistics"],
+        **part("statistics"),
     script:
-        "../scripts/verification_statistics.py"
+        "../scripts/verification/part.py"
 
 
 rule verification_steady_state:
@@ -147,10 +152,9 @@ rule verification_steady_state:
     conda:
         "../envs/abradem.yaml"
     params:
-        tables=PARTS["steady_state"],
-        code=CODE["verification_steady_state"],
+        **part("steady_state", "steady_state_study"),
     script:
-        "../scripts/verification_steady_state.py"
+        "../scripts/verification/part.py"
 
 
 rule verification_conveyor:
@@ -163,10 +167,9 @@ rule verification_conveyor:
     conda:
         "../envs/abradem.yaml"
     params:
-        tables=PARTS["conveyor"],
-        code=CODE["verification_conveyor"],
+        **part("conveyor"),
     script:
-        "../scripts/verification_conveyor.py"
+        "../scripts/verification/part.py"
 
 
 rule verification_trends:
@@ -179,10 +182,9 @@ rule verification_trends:
     conda:
         "../envs/abradem.yaml"
     params:
-        tables=PARTS["trends"],
-        code=CODE["verification_trends"],
+        **part("trends"),
     script:
-        "../scripts/verification_trends.py"
+        "../scripts/verification/part.py"
 
 
 rule verification_facets_and_bed:
@@ -195,13 +197,12 @@ rule verification_facets_and_bed:
     conda:
         "../envs/abradem.yaml"
     params:
-        tables=PARTS["facets_and_bed"],
-        code=CODE["verification_facets_and_bed"],
+        **part("facets_and_bed"),
     script:
-        "../scripts/verification_facets_and_bed.py"
+        "../scripts/verification/part.py"
 
 
-rule verification_page:
+rule verification_results:
     """All checks of the verification study: one table, one page, and the count of those that hold."""
     input:
         [f"{VERIFIED}/tables/{part}_checks.parquet" for part in PARTS],
@@ -215,15 +216,15 @@ rule verification_page:
     conda:
         "../envs/abradem.yaml"
     params:
-        code=CODE["verification_page"],
+        code=code_of("verification/results"),
     script:
-        "../scripts/verification_page.py"
+        "../scripts/verification/results.py"
 
 
 rule verification_figure:
     """One figure of the verification study."""
     input:
-        lambda wildcards: [
+        tables=lambda wildcards: [
             f"{VERIFIED}/tables/{table}.parquet"
             for table in VERIFICATION_FIGURES[wildcards.figure]
         ],
@@ -234,7 +235,8 @@ rule verification_figure:
     conda:
         "../envs/abradem.yaml"
     params:
-        formats=VERIFICATION_FORMATS,
-        code=CODE["verification_figure"],
+        draw="verification:draw",
+        options=lambda wildcards: {"figure": wildcards.figure},
+        code=code_of("figures/figure", "abradem.figures.verification"),
     script:
-        "../scripts/verification_figure.py"
+        "../scripts/figures/figure.py"

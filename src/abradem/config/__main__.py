@@ -2,6 +2,6 @@
 
 import sys
 
-from abradem.config.page import main
+from abradem.config.documentation import main
 
 sys.exit(main(sys.argv[1:]))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from abradem.config.declaration import Config, Factory
 from abradem.config.keys import Key
-from abradem.parameters import READINGS
+from abradem.quantities import WEAR_MEASURES
 
 
 def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
@@ -141,7 +141,7 @@ def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             ("simulation", "plate", "facet_size_mm"),
             f"divides the plate into {facets} facets (allowed up to {MOST_FACETS})",
         )
-    elif maps * facets * len(READINGS) * 8.0 > MOST_MAP_BYTES:
+    elif maps * facets * len(WEAR_MEASURES) * 8.0 > MOST_MAP_BYTES:
         yield (
             ("simulation", "plate", "facet_size_mm"),
             f"with {facets} facets, {maps:.0f} maps of a case would fill the memory; take larger "

@@ -8,8 +8,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema, create_model
 
-from abradem import parameters
-from abradem.parameters import READINGS, SAMPLED, STATISTICS, Quantity
+from abradem import quantities
+from abradem.config.batches import batches_of_block
+from abradem.quantities import SAMPLED, STATISTICS, WEAR_MEASURES, Quantity
+from abradem.words.labels import LABELS
 
 STUDY_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 """A study's name is a folder under results/, so it holds no separators, dots or blanks."""
@@ -47,7 +49,7 @@ def _range_field(row: Quantity) -> tuple[Any, Any]:
     annotation = Annotated[Any, PlainValidator(check), WithJsonSchema({"anyOf": [number, pair]})]
     unit = "" if row.config_unit == "1" else row.config_unit
     default = tuple(_from_si(row, bound) for bound in row.paper_range)
-    help_text = f"{row.symbol}, {row.long_name}."
+    help_text = f"{row.symbol}, {LABELS[row.name].long_name}."
     return annotation, _key(default, help_text, unit=unit, allowed=interval_text(low, high, unit))
 
 
@@ -144,7 +146,7 @@ class Sampling(Section):
     )
     cases_per_block: int = _key(
         100,
-        "Cases in one block. Changing it draws every block anew; to grow a study add blocks.",
+        "Cases in one block. Changing it draws every block again; to grow a study add blocks.",
         ge=1,
         le=100_000,
     )
@@ -317,7 +319,7 @@ class Simulation(Section):
         le=100_000.0,
     )
     gravity: float = _key(
-        parameters.GRAVITY, "Gravitational acceleration, downwards.", unit="m/s2", ge=0.0, le=1000.0
+        quantities.GRAVITY, "Gravitational acceleration, downwards.", unit="m/s2", ge=0.0, le=1000.0
     )
     contact: Contact = Field(default_factory=Contact, description="Options of the contact law.")
     pair_interaction: PairInteraction | None = _key(
@@ -358,11 +360,13 @@ class Features(Section):
     )
 
 
-_TARGETS = tuple(f"wear_{reading}_{statistic}" for reading in READINGS for statistic in STATISTICS)
+_TARGETS = tuple(
+    f"wear_{measure}_{statistic}" for measure in WEAR_MEASURES for statistic in STATISTICS
+)
 
 
 class Penalised(Section):
-    """Lasso and ridge. As published the penalties are given, honest they are cross-validated."""
+    """Lasso and ridge. As published the penalties are given, leakage-free they are cross-validated."""
 
     lasso_alpha: float = _key(0.1, "Penalty of the lasso as published.", gt=0.0, le=1e6)
     ridge_alpha: float = _key(1.0, "Penalty of the ridge as published.", gt=0.0, le=1e6)
@@ -415,14 +419,14 @@ class GaAnn(Section):
     final_batch: int = _key(50, "Rows in a mini-batch for the found net.", ge=1, le=1_000_000)
     learning_rate: float = _key(0.001, "Step of the optimiser (Adam).", gt=0.0, le=1.0)
     validation_share: float = _key(
-        0.25, "Share of the training rows that give the fitness (honest).", ge=0.05, le=0.9
+        0.25, "Share of the training rows that give the fitness (leakage-free).", ge=0.05, le=0.9
     )
     retrainings: int = _key(
         10, "Trainings of the found net from different start weights.", ge=1, le=1000
     )
     searches: int = _key(
         1,
-        "Honest searches, each inside the training rows of another split. 1 is one fixed split; "
+        "Leakage-free searches, each inside the training rows of another split. 1 is one fixed split; "
         "more nest the whole search and take that many times as long.",
         ge=1,
         le=1000,
@@ -460,7 +464,9 @@ class Physical(Section):
 class Noise(Section):
     """Simulations of the same cases with other seeds: how much of the wear is chance."""
 
-    cases: int = _key(10, "Cases that are repeated, of those with large stones.", ge=1, le=10_000)
+    cases: int = _key(
+        10, "Cases that are repeated, of those with large particles.", ge=1, le=10_000
+    )
     replicates: int = _key(8, "Repetitions of each.", ge=1, le=10_000)
 
 
@@ -485,11 +491,11 @@ class SurrogateModel(Section):
 
 
 class Learning(Section):
-    """Models of the data set, each as published and honest (docs/learning.md)."""
+    """Models of the data set, each as published and leakage-free (docs/learning.md)."""
 
     target: Literal[_TARGETS] = _key("wear_total_mean", "Column of the data set to be explained.")
     test_share: float = _key(
-        0.2, "Share of the cases held out to test each fit (honest).", ge=0.05, le=0.9
+        0.2, "Share of the cases held out to test each fit (leakage-free).", ge=0.05, le=0.9
     )
     repeats: int = _key(
         20, "Random splits into training and test that each model is scored on.", ge=1, le=10_000
@@ -705,13 +711,11 @@ class Config(Section):
         return self.sampling.blocks * self.sampling.cases_per_block
 
     @property
-    def shards(self) -> list[tuple[int, int]]:
-        """First and last-plus-one case of the shards of a block, see `abradem.shards`."""
-        from abradem.shards import shards_of_block
-
-        return shards_of_block(self.sampling.cases_per_block, self.simulation.cases_per_job)
+    def batches(self) -> list[tuple[int, int]]:
+        """First and last-plus-one case of the batches of a block, see `abradem.config.batches`."""
+        return batches_of_block(self.sampling.cases_per_block, self.simulation.cases_per_job)
 
     @property
     def jobs(self) -> int:
-        """Number of simulation jobs: the shards of all blocks."""
-        return self.sampling.blocks * len(self.shards)
+        """Number of simulation jobs: the batches of all blocks."""
+        return self.sampling.blocks * len(self.batches)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import yaml
 
 from abradem.config.declaration import Config, to_si
-from abradem.parameters import SAMPLED
+from abradem.quantities import SAMPLED
 
 
 def to_yaml(config: Config) -> str:
@@ -39,7 +39,7 @@ def typical_case(config: Config) -> dict[str, float]:
 def setup_dict(config: Config) -> dict:
     """Return the arguments of `abradem.Setup` as plain JSON values, SI units.
 
-    `abradem.shards.setup_from_dict` makes the set-up of them.
+    `abradem.Setup.from_dict` makes the set-up of them.
     """
     simulation = config.simulation
     plate, factory, stop = simulation.plate, simulation.factory, simulation.stop

@@ -100,7 +100,7 @@ def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
     larger = make_agenda(problem, capacity)
     size = agenda.awake.size
     larger.clock[:] = agenda.clock
-    # The grid is not taken along; it is made anew when next looked into.
+    # The grid is not taken along; it is made again when next looked into.
     larger.clock["grid_live"] = 0
     larger.flights[:, :size] = agenda.flights
     for name in ("awake", "asleep", "due", "row_size", "row_next", "row_until", "rows"):

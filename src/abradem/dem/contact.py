@@ -14,6 +14,7 @@ from abradem.dem.cache import kernel
 from abradem.dem.damping import exact_beta, nominal_beta
 from abradem.dem.model import ContactModel, Interaction, Material
 from abradem.dem.vectors import dot, fma, plus, scaled
+from abradem.elastic import effective_shear_modulus, effective_youngs_modulus, hertz_stiffness
 
 DAMPING_CAPPED, DAMPING_NONE, DAMPING_UNCAPPED = 0, 1, 2
 _DAMPING_CODES = {
@@ -41,18 +42,13 @@ class Law(NamedTuple):
     tangential_damping: int
 
 
-def effective_youngs_modulus(a: Material, b: Material) -> float:
-    """1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, Pa (Hertz)."""
-    return 1.0 / (
-        (1.0 - a.poisson_ratio**2) / a.youngs_modulus
-        + (1.0 - b.poisson_ratio**2) / b.youngs_modulus
-    )
-
-
-def effective_shear_modulus(a: Material, b: Material) -> float:
-    """1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa (Mindlin)."""
-    return 1.0 / (
-        (2.0 - a.poisson_ratio) / a.shear_modulus + (2.0 - b.poisson_ratio) / b.shear_modulus
+def effective_moduli(a: Material, b: Material) -> tuple[float, float]:
+    """Return E* and G* of two materials, Pa, see `abradem.elastic`."""
+    return (
+        effective_youngs_modulus(
+            a.youngs_modulus, a.poisson_ratio, b.youngs_modulus, b.poisson_ratio
+        ),
+        effective_shear_modulus(a.shear_modulus, a.poisson_ratio, b.shear_modulus, b.poisson_ratio),
     )
 
 
@@ -74,14 +70,13 @@ def make_law(
     radius, mass : float
         Effective radius R* (m) and mass m* (kg) of the pair.
     """
-    e_star = effective_youngs_modulus(a, b)
-    g_star = effective_shear_modulus(a, b)
+    e_star, g_star = effective_moduli(a, b)
     nominal = nominal_beta(interaction.restitution)
     beta = exact_beta(interaction.restitution) if model.normal == "exact_e" else nominal
     root = math.sqrt(radius)
     scale = 2.0 * math.sqrt(5.0 / 6.0)
     return Law(
-        kn=4.0 / 3.0 * e_star * root,
+        kn=float(hertz_stiffness(e_star, radius)),
         cn=scale * beta * math.sqrt(2.0 * e_star * root * mass),
         kt=8.0 * g_star * root,
         ct=scale * nominal * math.sqrt(8.0 * g_star * root * mass),
@@ -91,16 +86,6 @@ def make_law(
         incremental=model.tangential == "incremental",
         tangential_damping=_DAMPING_CODES[model.tangential_damping],
     )
-
-
-def hertz_overlap(law: Law, mass: float, speed: float) -> float:
-    """Largest overlap of an elastic impact, (5 m* v^2 / (4 k))^{2/5}, m (Hertz)."""
-    return (5.0 * mass * speed**2 / (4.0 * law.kn)) ** 0.4
-
-
-def hertz_duration(law: Law, mass: float, speed: float) -> float:
-    """Duration of an elastic impact, 2.94327 d_max / v, s (Hertz)."""
-    return 2.9432750 * hertz_overlap(law, mass, speed) / speed
 
 
 @kernel(inline=True)

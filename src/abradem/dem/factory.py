@@ -14,15 +14,7 @@ import numpy as np
 from abradem.dem.cache import kernel
 from abradem.dem.counter_random import uniform
 from abradem.dem.plate import plate_distance
-from abradem.dem.state import (
-    DONE,
-    FLYING,
-    GONE,
-    NEEDS_ROOM,
-    NOT_YET,
-    STOP_RELEASE,
-    energy_of,
-)
+from abradem.dem.state import DONE, FLYING, GONE, NEEDS_ROOM, NOT_YET, STOP_RELEASE, energy_of
 
 TRIES = 100
 """Places tried for a particle before it waits."""

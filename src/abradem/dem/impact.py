@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from abradem.dem.cache import kernel
-from abradem.dem.contact import hertz_duration
 from abradem.dem.model import Case, ContactModel, Impact, Interaction, Material, Setup
 from abradem.dem.state import DONE, FLYING, make_problem, make_state
 from abradem.dem.synchronous import advance
+from abradem.elastic import hertz_duration
 
 CONVERGED_STEPS = 500
 """Steps per contact where no time step is given."""
@@ -130,7 +130,7 @@ def single_impact(
 
     if time_step is None:
         probe, _ = problem_of(1.0, radius)
-        time_step = hertz_duration(probe.plate_law, probe.mass, approach) / CONVERGED_STEPS
+        time_step = hertz_duration(probe.plate_law.kn, probe.mass, approach) / CONVERGED_STEPS
     elif not (math.isfinite(time_step) and time_step > 0.0):
         raise ValueError(f"time_step must be finite and positive, got {time_step!r}")
     # The surfaces meet after 1 - phase of the first step.

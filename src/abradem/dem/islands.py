@@ -13,7 +13,7 @@ All bounds are lower bounds of the lattice step at which a contact can open:
 - awake against anything: a row of near partners, each with the step before which a gap cannot
   close at the speed limit. The limit holds for all flights (energy down to the removal level)
   and is verified for every awake particle in every step; where it is broken, it is raised and
-  all rows are made anew before the step's contacts are looked for.
+  all rows are made again before the step's contacts are looked for.
 
 Where so much touches that hardly anyone sleeps, bounds are a burden, and `synchronous` itself
 takes over until the crowd has thinned out.
@@ -109,7 +109,7 @@ def advance(problem, schedule, state, agenda, last_step):
         outcome = _step(problem, state, agenda)
         if clock.awake > NAP + CROWDED * tally.live and tally.live > SMALLEST_CROWD:
             _publish(problem, state, agenda)
-            # Makes the pair list of `synchronous` anew in its first step.
+            # Makes the pair list of `synchronous` again in its first step.
             tally.drift = np.inf
             clock.crowded = 1
     if clock.crowded == 0:
@@ -351,7 +351,7 @@ def _introduce(problem, state, agenda, i, new):
     if distance2 >= reach * reach or (size > 0 and rows[i, size - 1].j >= new):
         return True
     if size == SLOTS:
-        # Made anew it looks less far ahead, and knows all.
+        # Made again it looks less far ahead, and knows all.
         return make_row(problem, state, agenda, i, now)
     near = rows[i, size]
     near.j = new

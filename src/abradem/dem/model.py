@@ -6,9 +6,12 @@ about +z (positive lifts the +x side), in degrees.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
 import numpy as np
+
+from abradem.elastic import rayleigh_time, youngs_modulus
 
 NORMAL_LAWS = ("exact_e", "nominal_clipped", "nominal_attractive")
 TANGENTIAL_LAWS = ("incremental", "displacement")
@@ -41,7 +44,11 @@ class Material:
     @property
     def youngs_modulus(self) -> float:
         """E = 2 G (1 + nu), Pa."""
-        return 2.0 * self.shear_modulus * (1.0 + self.poisson_ratio)
+        return youngs_modulus(self.shear_modulus, self.poisson_ratio)
+
+    def rayleigh_time(self, radius: float) -> float:
+        """Rayleigh time of a sphere of this material, s, see `abradem.elastic.rayleigh_time`."""
+        return float(rayleigh_time(radius, self.density, self.shear_modulus, self.poisson_ratio))
 
 
 @dataclass(frozen=True)
@@ -55,7 +62,7 @@ class Interaction:
     def __post_init__(self):
         _check_number("restitution", self.restitution, above=0.0, most=1.0)
         _check_number("static_friction", self.static_friction, least=0.0)
-        # The friction reading divides by it.
+        # The friction wear measure divides by it.
         if 0.0 < self.static_friction < 1e-9:
             raise ValueError(
                 f"static_friction = {self.static_friction!r} must be 0 or from 1e-9 on"
@@ -124,6 +131,12 @@ class Case:
         _check_number("particle_velocity_y", self.particle_velocity_y, least=-1e6, most=1e6)
         if not 0 <= self.seed < 2**63:
             raise ValueError(f"seed = {self.seed!r} is outside [0, 2^63)")
+
+    @classmethod
+    def from_row(cls, row: Mapping) -> Case:
+        """Return the case of a row of a table of cases, which may hold further columns."""
+        names = (field.name for field in fields(cls) if field.name != "seed")
+        return cls(**{name: float(row[name]) for name in names}, seed=int(row["seed"]))
 
     @property
     def particle(self) -> Material:
@@ -227,6 +240,15 @@ class Setup:
         if self.max_time <= self.window:
             raise ValueError(f"max_time = {self.max_time!r} must exceed window = {self.window!r}")
 
+    @classmethod
+    def from_dict(cls, values: Mapping) -> Setup:
+        """Return the set-up of plain values (a mapping of its fields), such as JSON holds."""
+        values = dict(values)
+        for name, kind in (("contact", ContactModel), ("pair_interaction", Interaction)):
+            if isinstance(values.get(name), Mapping):
+                values[name] = kind(**values[name])
+        return cls(**values)
+
     @property
     def facets(self) -> tuple[int, int]:
         """Number of facets along the plate's length and width."""
@@ -247,7 +269,7 @@ class SimulationResult:
     """What one simulation gives; wear is for an Archard constant of 1, in J = N m.
 
     Multiplying by W (1/Pa) gives a volume in m3. The last axis of ``worn`` and the first of
-    the maps follow `abradem.parameters.READINGS`.
+    the maps follow `abradem.quantities.WEAR_MEASURES`.
 
     Attributes
     ----------
@@ -318,7 +340,7 @@ class SimulationResult:
 
 @dataclass(frozen=True)
 class Impact:
-    """Outcome of a single impact on a plane; wear readings for an Archard constant of 1.
+    """Outcome of a single impact on a plane; wear measures for an Archard constant of 1.
 
     The plane's normal is +y; the sphere comes in along (sin a, -cos a, 0).
 
@@ -350,11 +372,6 @@ class Impact:
     sliding: float
     friction_work: float
     time_step: float
-
-
-def as_dict(record) -> dict:
-    """Fields of one of the records above as a flat dict (values untouched)."""
-    return {f.name: getattr(record, f.name) for f in fields(record)}
 
 
 def _check_choice(name: str, value: str, allowed: tuple[str, ...]) -> None:

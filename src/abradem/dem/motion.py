@@ -201,9 +201,9 @@ def touch_plate(problem, particle, tally, facet_wear):
             tally.face += 1 if on_face else 0
             tally.edge += 0 if on_face else 1
 
-    # Archard's F_n ds in its three readings.
+    # Archard's F_n ds in its three wear measures.
     total = 0.5 * (max(fn_old, 0.0) + max(fn, 0.0)) * math.sqrt(dot(slide, slide)) * dt
-    # Without friction everything slides: the other two readings have this limit.
+    # Without friction everything slides: the other two wear measures have this limit.
     sliding, friction = total, total
     mu = law.static_friction
     if mu > 0.0:

@@ -1,7 +1,7 @@
 """Pair list from a grid of cells: work and memory grow linearly with the particles.
 
 The grid is a box around all particles, its cells 2 R plus the skin wide, and wider where the box
-would have too many of them: a stone that strays far makes the list slower, not wrong. Particles
+would have too many of them: a particle that strays far makes the list slower, not wrong. Particles
 are sorted by cell (counting sort), with their places, so that the neighbours of a particle lie in
 nine runs of memory.
 """

@@ -181,7 +181,7 @@ def make_row(problem, state, agenda, i, now):
 
 @kernel
 def raise_limit(problem, state, agenda, speed, now):
-    """Set a speed limit above ``speed`` and make all rows anew; False if one is too full."""
+    """Set a speed limit above ``speed`` and make all rows again; False if one is too full."""
     clock = agenda.clock[0]
     clock.limit = 1.2 * speed
     for k in range(clock.awake):

@@ -13,8 +13,7 @@ import numpy as np
 from abradem.dem import islands, synchronous
 from abradem.dem.cache import kernel
 from abradem.dem.energy import resident_energy
-from abradem.dem.state import DONE, STOP_ENERGY_GAIN, STOP_NOT_FINITE, STOP_WEAR_NOT_FINITE
-from abradem.parameters import READINGS
+from abradem.dem.state import DONE, STOP_ENERGY_GAIN, STOP_NOT_FINITE, STOP_WEAR_NOT_FINITE, WORN
 
 ENERGY_TOLERANCE = 0.02
 """Energy gained between two samples that ends a case, as a share of the energy put in."""
@@ -31,7 +30,7 @@ class Record(NamedTuple):
     Attributes
     ----------
     worn : ndarray, shape (samples, 3)
-        Wear of the plate by reading, W = 1, J.
+        Wear of the plate by wear measure, W = 1, J.
     placed, present : ndarray of int, shape (samples,)
         Particles released, and those of them that were not removed yet.
     book : ndarray of BOOK, shape (1,)
@@ -46,7 +45,7 @@ class Record(NamedTuple):
 def make_record(samples: int) -> Record:
     """Return an empty record with room for ``samples`` after the beginning."""
     return Record(
-        np.zeros((samples + 1, len(READINGS))),
+        np.zeros((samples + 1, len(WORN))),
         np.zeros(samples + 1, np.int64),
         np.zeros(samples + 1, np.int64),
         np.zeros(1, BOOK),
@@ -76,7 +75,7 @@ def take_samples(problem, schedule, state, agenda, sample_steps, sample, last, r
         if outcome != DONE:
             return sample, outcome
         sample += 1
-        # In the order of READINGS.
+        # In the order of WORN.
         record.worn[sample, 0] = tally.worn_total
         record.worn[sample, 1] = tally.worn_sliding
         record.worn[sample, 2] = tally.worn_friction

@@ -1,4 +1,4 @@
-"""One case from the first stone to the stop rule."""
+"""One case from the first particle to the stop rule."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 
 from abradem.dem import samples
 from abradem.dem.agenda import grown_agenda, make_agenda
-from abradem.dem.contact import hertz_duration
 from abradem.dem.energy import energy_book
 from abradem.dem.model import Case, Setup, SimulationResult
 from abradem.dem.samples import Record, make_record
@@ -24,6 +23,7 @@ from abradem.dem.state import (
     make_state,
 )
 from abradem.dem.steady import batch_means, steady_part
+from abradem.elastic import hertz_duration, sphere_volume
 
 FIRST_CAPACITY = 64
 CHECK_GROWTH = 1.1
@@ -31,8 +31,8 @@ CHECK_GROWTH = 1.1
 to stop early, seldom enough not to stop on a lucky fluctuation of the standard error."""
 
 MAPS_PER_WINDOW = 10
-STONES_IN_A_CALL = 2000
-"""Stones present times samples that one call of a kernel takes."""
+PARTICLES_IN_A_CALL = 2000
+"""Particles present times samples that one call of a kernel takes."""
 
 FEWEST_STEPS_PER_CONTACT = 5.0
 MOST_STEPS_PER_CONTACT = 1e5
@@ -56,7 +56,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
         The default is the study of the paper.
     releases : tuple of array_like, optional
         Times (n,) in s, positions (n, 3) in m, velocities (n, 3) in m/s and optionally spins
-        (n, 3) in rad/s, which replace the factory; every code can be fed the same stones.
+        (n, 3) in rad/s, which replace the factory; every code can be fed the same particles.
     progress : callable, optional
         Called with the simulated time (s) at each sample.
     recorder : object, optional
@@ -181,7 +181,7 @@ class _Engine:
 
     def samples_in_a_call(self) -> int:
         """How many samples to take in one call: an interrupt waits for its end."""
-        return max(1, STONES_IN_A_CALL // max(1, int(self.state.tally["live"][0])))
+        return max(1, PARTICLES_IN_A_CALL // max(1, int(self.state.tally["live"][0])))
 
     def _make_room(self) -> int | str:
         """Make room for twice as many particles; return what stands against it, or `DONE`."""
@@ -204,7 +204,7 @@ def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
         fastest = float(np.sqrt(speeds2).max())
     if fastest == 0.0:
         return
-    steps = hertz_duration(problem.plate_law, problem.mass, fastest) / problem.dt
+    steps = hertz_duration(problem.plate_law.kn, problem.mass, fastest) / problem.dt
     # Also where an infinite speed leaves no number of steps at all.
     if not steps >= FEWEST_STEPS_PER_CONTACT:
         raise ValueError(
@@ -253,7 +253,7 @@ def _room(problem: Problem, setup: Setup) -> float:
         side + 2.0 * problem.radius
         for side in (setup.patch_length, setup.patch_width, setup.fall_height)
     )
-    return math.prod(sides) / (4.0 / 3.0 * math.pi * problem.radius**3)
+    return math.prod(sides) / sphere_volume(problem.radius)
 
 
 class Steady:

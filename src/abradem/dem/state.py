@@ -14,9 +14,10 @@ import numpy as np
 
 from abradem.dem.cache import kernel
 from abradem.dem.contact import Law, make_law
-from abradem.dem.model import Case, Material, Setup
+from abradem.dem.model import Case, Setup
 from abradem.dem.plate import Plate, make_plate
 from abradem.dem.vectors import fma
+from abradem.elastic import sphere_mass
 
 SKIN = 0.3
 """Reach of the pair list beyond contact, in radii."""
@@ -28,7 +29,7 @@ OVERLAP_STOP = 0.2
 """Overlap, as a share of the radius, above which a case is stopped."""
 
 RETRY = 5e-4
-"""A stone that found no room waits so long for those before it to move on, s."""
+"""A particle that found no room waits so long for those before it to move on, s."""
 
 # Motion of a particle.
 GONE, FLYING, WAKING, TOUCHING = 0, 1, 2, 3
@@ -125,6 +126,10 @@ TALLY = np.dtype(
 )
 
 
+WORN = ("worn_total", "worn_sliding", "worn_friction")
+"""Wear measures in the order of all arrays, that of `abradem.quantities.WEAR_MEASURES`."""
+
+
 class State(NamedTuple):
     """State of a simulation.
 
@@ -137,28 +142,13 @@ class State(NamedTuple):
     particles : ndarray of PARTICLE, shape (capacity,)
     pairs : ndarray of PAIR, shape (room,)
     facet_wear : ndarray, shape (3, nx, nz)
-        By reading, W = 1, J.
+        By wear measure, W = 1, J.
     """
 
     tally: np.ndarray
     particles: np.ndarray
     pairs: np.ndarray
     facet_wear: np.ndarray
-
-
-def sphere_mass(radius: float, density: float) -> float:
-    """4/3 pi R^3 rho, kg."""
-    return 4.0 / 3.0 * math.pi * radius**3 * density
-
-
-def rayleigh_time(radius: float, material: Material) -> float:
-    """pi R sqrt(rho/G) / (0.1631 nu + 0.8766), s: a surface wave around half the sphere."""
-    return (
-        math.pi
-        * radius
-        * math.sqrt(material.density / material.shear_modulus)
-        / (0.1631 * material.poisson_ratio + 0.8766)
-    )
 
 
 def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Schedule]:
@@ -176,7 +166,7 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
     mass = sphere_mass(radius, case.particle_density)
     dt = setup.time_step
     if dt is None:
-        dt = setup.time_step_fraction * rayleigh_time(radius, case.particle)
+        dt = setup.time_step_fraction * case.particle.rayleigh_time(radius)
     pair = setup.pair_interaction or case.interaction
     angle = math.radians(case.plate_angle)
     lowest = -0.5 * setup.plate_length * abs(math.sin(angle))
@@ -236,7 +226,7 @@ def make_state(problem: Problem, capacity: int) -> State:
         tally=np.zeros(1, TALLY),
         particles=np.zeros(capacity, PARTICLE),
         pairs=np.zeros(capacity * PAIRS_PER_PARTICLE, PAIR),
-        facet_wear=np.zeros((3, problem.plate.facets_x, problem.plate.facets_z)),
+        facet_wear=np.zeros((len(WORN), problem.plate.facets_x, problem.plate.facets_z)),
     )
 
 

@@ -33,7 +33,7 @@ the mean over the part can differ by a tenth from that at its end. What fills mo
 seen; docs/method.md says by how much beds were off."""
 
 SIGNIFICANT = 3.0
-"""Standard errors that such a change must have, lest chance keep few large stones unsteady."""
+"""Standard errors that such a change must have, lest chance keep few large particles unsteady."""
 
 
 class SteadyStart(NamedTuple):

@@ -90,7 +90,7 @@ def _steps(problem, state, last_step):
             if near and particle.motion != GONE:
                 touch_plate(problem, particle, tally, facet_wear)
         # Two particles have come nearer by no more than their moves differ, so that a jet that
-        # falls on stones at rest counts once, not twice.
+        # falls on particles at rest counts once, not twice.
         spread2 = (most_x - least_x) ** 2 + (most_y - least_y) ** 2 + (most_z - least_z) ** 2
         tally.drift += math.sqrt(spread2)
         if tally.drift > SKIN * problem.radius and not rebuild_pairs(problem, state):

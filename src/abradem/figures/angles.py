@@ -10,7 +10,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from abradem.figures import style
-from abradem.parameters import SAMPLED_NAMES, quantity
+from abradem.quantities import SAMPLED_NAMES
+from abradem.words.labels import LABELS
 
 SHADES = "viridis"
 _ORDER = ("plate_angle", "factory_angle")
@@ -24,7 +25,7 @@ def angles_figure(
     Parameters
     ----------
     curves, rates : pandas.DataFrame
-        From `abradem.scenes.depth_by_angle`.
+        From `abradem.wear.angles.depth_by_angle`.
     case : mapping
         Arguments of `abradem.Case`.
     duration : float
@@ -51,11 +52,11 @@ def angles_figure(
             top = max(panel.get_ylim()[1] for panel in row)
             for panel in row:
                 panel.set_ylim(0.0, top)
-        symbol = {name: f"${quantity(name).tex}$" for name in SAMPLED_NAMES}
+        symbol = {name: f"${LABELS[name].tex}$" for name in SAMPLED_NAMES}
         radius, speed = 1e3 * case["particle_radius"], case["particle_velocity_y"]
         style.caption(
             figure,
-            f"reading: total; {symbol['particle_radius']} = {radius:g} mm, "
+            f"wear measure: total; {symbol['particle_radius']} = {radius:g} mm, "
             f"{symbol['particle_velocity_y']} = {style.number(speed)} m/s, "
             f"{symbol['plate_angle']} = {style.number(case['plate_angle'])}° and "
             f"{symbol['factory_angle']} = {style.number(case['factory_angle'])}° where they are "
@@ -68,7 +69,7 @@ def angles_figure(
 def _curves_panel(panel, index, curves, varied, power) -> None:
     angles = list(dict.fromkeys(curves["angle"]))
     shades = mpl.colormaps[SHADES](np.linspace(0.0, 0.9, len(angles)))
-    tex = quantity(varied).tex
+    tex = LABELS[varied].tex
     ends = []
     for index_of_angle, (shade, angle) in enumerate(zip(shades, angles, strict=True)):
         rows = curves[curves["angle"] == angle]
@@ -90,7 +91,7 @@ def _curves_panel(panel, index, curves, varied, power) -> None:
         [handles[i] for i in order], [labels[i] for i in order], title=f"${tex}$",
         loc="upper left", ncols=1 + len(order) // 5, handlelength=1.4,
     )  # fmt: skip
-    panel.set_title(f"{style.letter(index)} {quantity(varied).long_name}", loc="left")
+    panel.set_title(f"{style.letter(index)} {LABELS[varied].long_name}", loc="left")
 
 
 def _rates_panel(panel, index, rates, varied, power) -> None:

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from abradem.figures import style
-from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS
-from abradem.parameters import TARGET, quantity
+from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
+from abradem.quantities import TARGET
+from abradem.words.labels import LABELS, PROTOCOLS
 
 _MOST_DRAWN = 11
 """Neurons drawn of the largest layer."""
+
+
+def draw(summaries: Iterable[Mapping]) -> Figure:
+    """`architecture_figure` of the summaries of both protocols."""
+    return architecture_figure({summary["protocol"]: summary for summary in summaries})
 
 
 def architecture_figure(summaries: Mapping[str, Mapping]) -> Figure:
@@ -23,7 +29,7 @@ def architecture_figure(summaries: Mapping[str, Mapping]) -> Figure:
     Parameters
     ----------
     summaries : mapping
-        By protocol, see `abradem.learning.ga_ann.fit_networks`: ``features`` and
+        By protocol, see `abradem.learning.baselines.ga_ann.fit_networks`: ``features`` and
         ``architecture`` are shown.
 
     Returns
@@ -32,11 +38,11 @@ def architecture_figure(summaries: Mapping[str, Mapping]) -> Figure:
         A layer shows as many neurons as its share of the largest allows; the number above it
         is the true one.
     """
-    protocols = [name for name in (AS_PUBLISHED, HONEST) if name in summaries]
+    protocols = [name for name in (AS_PUBLISHED, LEAKAGE_FREE) if name in summaries]
     with style.style():
         figure, axes = style.panels(len(protocols), 2, 2.9)
         for index, (panel, protocol) in enumerate(zip(axes, protocols, strict=True)):
-            _network(panel, summaries[protocol], COLOURS[protocol])
+            _network(panel, summaries[protocol], style.PROTOCOL_COLOURS[protocol])
             layers = "-".join(map(str, summaries[protocol]["architecture"]))
             panel.set_title(
                 f"{style.letter(index)} {PROTOCOLS[protocol]}: {layers}", loc="left", fontsize=7.5
@@ -74,11 +80,11 @@ def _network(panel, summary, colour) -> None:
             facecolor=colour if inner else "white", edgecolor="white" if inner else style.BLACK,
         )  # fmt: skip
     for (_, y), name in zip(places[0][::-1], features, strict=True):
-        panel.text(-0.18, y, f"${quantity(name).tex}$", ha="right", va="center", fontsize=7.0)
+        panel.text(-0.18, y, f"${LABELS[name].tex}$", ha="right", va="center", fontsize=7.0)
     for x, size in enumerate(layers, start=1):
         panel.text(x, 1.13, str(size), ha="center", va="bottom", fontsize=7.0)
     panel.text(0, 1.13, str(len(features)), ha="center", va="bottom", fontsize=7.0)
-    panel.text(len(places) - 0.82, 0.0, f"${TARGET.tex}$", va="center", fontsize=8.0)
+    panel.text(len(places) - 0.82, 0.0, f"${LABELS[TARGET.name].tex}$", va="center", fontsize=8.0)
     panel.set_xlim(-0.75, len(places) - 0.45)
     panel.set_ylim(-1.1, 1.32)
     panel.set_axis_off()

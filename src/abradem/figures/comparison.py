@@ -8,14 +8,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from abradem.figures import style
-from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, MODELS, PROTOCOLS, minus
+from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
+from abradem.words.labels import MODELS, PROTOCOLS
 
 LOWEST = -1.0
 SPLITS, FIXED = "repeated splits", "fixed split"
 
 
 def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, table: str) -> Figure:
-    """R2 of every model: printed, as published here, honest here with intervals.
+    """R2 of every model: printed, as published here, leakage-free here with intervals.
 
     Parameters
     ----------
@@ -31,8 +32,8 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
         lows = []
         for shift, protocol, basis, marker in (
             (-0.2, AS_PUBLISHED, FIXED, "o"),
-            (0.06, HONEST, SPLITS, "s"),
-            (0.26, HONEST, FIXED, "^"),
+            (0.06, LEAKAGE_FREE, SPLITS, "s"),
+            (0.26, LEAKAGE_FREE, FIXED, "^"),
         ):
             rows = comparison[
                 (comparison["protocol"] == protocol) & (comparison["basis"] == basis)
@@ -41,8 +42,8 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
                 if model not in rows.index:
                     continue
                 row = rows.loc[model]
-                colour = COLOURS[protocol]
-                light = 0.45 if (protocol, basis) == (HONEST, FIXED) else 1.0
+                colour = style.PROTOCOL_COLOURS[protocol]
+                light = 0.45 if (protocol, basis) == (LEAKAGE_FREE, FIXED) else 1.0
                 if np.isfinite(row["r2_lower"]):
                     ends = row[["r2_lower", "r2_upper"]].to_numpy(dtype=float)
                     panel.plot(
@@ -72,9 +73,9 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
             figure,
             f"table: {table}. As published: one split, choices made on all or on the test rows "
             "(optimistic; the wrong target explains the last component, not the wear); interval: "
-            "bootstrap of its test rows. Honest: median and central share of the repeated splits, "
+            "bootstrap of its test rows. Leakage-free: median and central share of the repeated splits, "
             "and, on the first of these splits, the same rows for all models, bootstrap of the "
-            f"test rows. Arrowheads: runs on below {minus(f'{LOWEST:g}')}; without a mark the "
+            f"test rows. Arrowheads: runs on below {style.minus(f'{LOWEST:g}')}; without a mark the "
             "score too",
         )
     return figure
@@ -83,10 +84,10 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
 def _handles() -> list:
     return [
         Line2D([], [], marker="|", ms=8.0, mew=1.6, color=style.BLACK, ls="", label="printed"),
-        Line2D([], [], marker="o", ms=4.0, color=COLOURS[AS_PUBLISHED], label="as published here"),
-        Line2D([], [], marker="s", ms=4.0, color=COLOURS[HONEST], label="honest, repeated splits"),
-        Line2D([], [], marker="^", ms=4.0, color=COLOURS[HONEST], alpha=0.45,
-               label="honest, first split"),
+        Line2D([], [], marker="o", ms=4.0, color=style.PROTOCOL_COLOURS[AS_PUBLISHED], label="as published here"),
+        Line2D([], [], marker="s", ms=4.0, color=style.PROTOCOL_COLOURS[LEAKAGE_FREE], label="leakage-free, repeated splits"),
+        Line2D([], [], marker="^", ms=4.0, color=style.PROTOCOL_COLOURS[LEAKAGE_FREE], alpha=0.45,
+               label="leakage-free, first split"),
     ]  # fmt: skip
 
 
@@ -112,21 +113,21 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
         beyond = bool(((fixed["predicted"] < low) | (fixed["predicted"] > high)).any())
         for index, (panel, model) in enumerate(zip(axes, models, strict=True)):
             words = []
-            for protocol, marker in ((AS_PUBLISHED, "x"), (HONEST, "o")):
+            for protocol, marker in ((AS_PUBLISHED, "x"), (LEAKAGE_FREE, "o")):
                 rows = fixed[(fixed["model"] == model) & (fixed["protocol"] == protocol)]
                 if rows.empty:
                     continue
                 predicted = rows["predicted"].clip(low, high) / unit
                 panel.plot(
                     rows["actual"] / unit, predicted, marker, ms=2.6, mew=0.7,
-                    color=COLOURS[protocol], alpha=0.7, ls="",
+                    color=style.PROTOCOL_COLOURS[protocol], alpha=0.7, ls="",
                 )  # fmt: skip
                 found = comparison[
                     (comparison["model"] == model)
                     & (comparison["protocol"] == protocol)
                     & (comparison["basis"] == FIXED)
                 ]["r2"]
-                words.append(minus(f"{PROTOCOLS[protocol]}: $R^2$ = {found.iloc[0]:.2f}"))
+                words.append(style.minus(f"{PROTOCOLS[protocol]}: $R^2$ = {found.iloc[0]:.2f}"))
             panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.7, zorder=0)
             panel.set_xlim(-0.04 * most / unit, ends[1])
             panel.set_ylim(*ends)
@@ -143,10 +144,10 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
             panel.set_ylabel(f"Predicted ({label})", fontsize=7.0)
         figure.legend(
             handles=[
-                Line2D([], [], marker="x", ls="", ms=3.5, color=COLOURS[AS_PUBLISHED],
+                Line2D([], [], marker="x", ls="", ms=3.5, color=style.PROTOCOL_COLOURS[AS_PUBLISHED],
                        label="protocol: as published"),
-                Line2D([], [], marker="o", ls="", ms=3.0, color=COLOURS[HONEST],
-                       label="protocol: honest"),
+                Line2D([], [], marker="o", ls="", ms=3.0, color=style.PROTOCOL_COLOURS[LEAKAGE_FREE],
+                       label="protocol: leakage-free"),
             ],
             loc="outside upper center",
             ncols=2,
@@ -154,7 +155,7 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
         style.caption(
             figure,
             "wear depth rate of the test rows of one split: as published its own (30 % of the rows "
-            "for networks, 20 % else), honest the first split, the same rows for all models"
+            "for networks, 20 % else), leakage-free the first split, the same rows for all models"
             + ("; predictions beyond the frame stand on its edge" if beyond else ""),
         )
     return figure

@@ -9,10 +9,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from abradem.figures import style
-from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, MODELS, PROTOCOLS
-from abradem.learning.distributions import ALL_ROWS
+from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
+from abradem.words.labels import MODELS, PROTOCOLS
 
 _BINS = 24
+
+
+def draw(dataset: pd.DataFrame, predictions: pd.DataFrame, target: str, model: str) -> Figure:
+    """`distributions_figure` of a model's predictions, see `standardised`."""
+    return distributions_figure(standardised(dataset, predictions, target, model), model)
 
 
 def distributions_figure(table: pd.DataFrame, model: str) -> Figure:
@@ -21,7 +26,7 @@ def distributions_figure(table: pd.DataFrame, model: str) -> Figure:
     Parameters
     ----------
     table : pandas.DataFrame
-        From `abradem.learning.distributions.standardised`.
+        From `abradem.figures.distributions.standardised`.
     model : str
         Named below the panels.
     """
@@ -33,8 +38,8 @@ def distributions_figure(table: pd.DataFrame, model: str) -> Figure:
         rows = table.loc[table["protocol"] == ALL_ROWS, "actual_standardised"]
         axes[0].hist(rows, bins=bins, color=style.LIGHT_GREY, edgecolor=style.GREY, lw=0.5)
         axes[0].set_title(f"{style.letter(0)} all {len(rows)} rows", loc="left")
-        shown = [name for name in (AS_PUBLISHED, HONEST) if name in set(table["protocol"])]
-        for index, protocol in enumerate((AS_PUBLISHED, HONEST), start=1):
+        shown = [name for name in (AS_PUBLISHED, LEAKAGE_FREE) if name in set(table["protocol"])]
+        for index, protocol in enumerate((AS_PUBLISHED, LEAKAGE_FREE), start=1):
             _test_rows(axes[index], index, table[table["protocol"] == protocol], protocol, bins)
         _errors(axes[3], table, shown)
         for panel in axes:
@@ -47,7 +52,7 @@ def distributions_figure(table: pd.DataFrame, model: str) -> Figure:
             handles=[
                 Patch(facecolor=style.LIGHT_GREY, edgecolor=style.GREY, label="simulated"),
                 *(
-                    Line2D([], [], color=COLOURS[name], lw=1.2,
+                    Line2D([], [], color=style.PROTOCOL_COLOURS[name], lw=1.2,
                            label=f"predicted, {PROTOCOLS[name]}")
                     for name in shown
                 ),
@@ -71,7 +76,11 @@ def _test_rows(panel, index, rows, protocol, bins) -> None:
         rows["actual_standardised"], bins=bins, color=style.LIGHT_GREY, edgecolor=style.GREY, lw=0.5
     )
     panel.hist(
-        rows["predicted_standardised"], bins=bins, histtype="step", color=COLOURS[protocol], lw=1.2
+        rows["predicted_standardised"],
+        bins=bins,
+        histtype="step",
+        color=style.PROTOCOL_COLOURS[protocol],
+        lw=1.2,
     )
 
 
@@ -83,10 +92,60 @@ def _errors(panel, table, shown) -> None:
         errors = rows.loc[rows["protocol"] == protocol, "error_standardised"]
         mean, spread = errors.mean(), errors.std(ddof=0)
         panel.hist(
-            errors, bins=bins, histtype="step", color=COLOURS[protocol], lw=1.2,
+            errors, bins=bins, histtype="step", color=style.PROTOCOL_COLOURS[protocol], lw=1.2,
             label=f"{style.number(round(mean, 3), 2)} ± {style.number(spread, 2)}",
         )  # fmt: skip
     panel.axvline(0.0, color=style.BLACK, lw=0.5, ls="--")
     panel.set_title(f"{style.letter(3)} errors: mean ± standard deviation", loc="left")
     if shown:
         panel.legend(loc="upper left")
+
+
+ALL_ROWS = "all rows"
+
+
+def standardised(dataset: pd.DataFrame, predictions: pd.DataFrame, target: str, model: str):
+    """Wear of all rows, and predictions of a model on the test rows of its first split.
+
+    Parameters
+    ----------
+    dataset : pandas.DataFrame
+        Its target gives mean and standard deviation, which standardise everything here.
+    predictions : pandas.DataFrame
+        model, protocol, case_id, repeat, split, actual, predicted.
+    target : str
+        Column of ``dataset``.
+    model : str
+
+    Returns
+    -------
+    pandas.DataFrame
+        protocol (`ALL_ROWS` for the rows of ``dataset``, whose predictions are nan), case_id
+        and the columns of `COLUMNS`.
+    """
+    wear = dataset[target]
+    mean, spread = float(wear.mean()), float(wear.std(ddof=0)) or 1.0
+    rows = predictions[
+        (predictions["model"] == model)
+        & (predictions["split"] == "test")
+        & (predictions["repeat"] == 0)
+    ]
+    everything = pd.DataFrame(
+        {
+            "protocol": ALL_ROWS,
+            "case_id": dataset["case_id"],
+            "actual_standardised": (wear - mean) / spread,
+            "predicted_standardised": float("nan"),
+            "error_standardised": float("nan"),
+        }
+    )
+    of_model = pd.DataFrame(
+        {
+            "protocol": rows["protocol"],
+            "case_id": rows["case_id"],
+            "actual_standardised": (rows["actual"] - mean) / spread,
+            "predicted_standardised": (rows["predicted"] - mean) / spread,
+            "error_standardised": (rows["predicted"] - rows["actual"]) / spread,
+        }
+    )
+    return pd.concat([everything, of_model], ignore_index=True)

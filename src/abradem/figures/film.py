@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from abradem.dem.model import Setup
 from abradem.figures import style
 from abradem.figures.render import Camera, picture
-from abradem.figures.setup import factory_patch, stone_tints, worn_plate
+from abradem.figures.setup import factory_patch, particle_tints, worn_plate
 
 _EYE = np.array([-0.25, 0.42, 0.87]) / np.linalg.norm([-0.25, 0.42, 0.87])
 _DISTANCE = 5.0
@@ -40,11 +40,11 @@ class Shot:
     case : mapping
         Arguments of `abradem.Case`.
     particles : pandas.DataFrame
-        time, particle, x, y, z as `abradem.export` writes them.
+        time, particle, x, y, z as `abradem.simulation.snapshots` writes them.
     times : ndarray, shape (n,)
         s.
     depth : ndarray, shape (n, nx, nz)
-        mm, from `abradem.scenes.depth_frames`.
+        mm, from `abradem.wear.depths.depth_frames`.
     """
 
     case: Mapping[str, float]
@@ -138,7 +138,7 @@ class _Stage:
                     rows[["x", "y", "z"]].to_numpy(),
                     shot.case["particle_radius"],
                     factory_patch(shot.case, self.setup),
-                    tints=stone_tints(rows["particle"]),
+                    tints=particle_tints(rows["particle"]),
                 )
             )
         self.clock.set_text(f"{self.shots[0].times[index]:.2f} s")

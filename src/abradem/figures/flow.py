@@ -12,7 +12,6 @@ from matplotlib.path import Path as Outline
 
 from abradem.dem.model import Setup
 from abradem.figures import style
-from abradem.rulegraph import needs_of
 
 WORDS = {
     "sample": ("draw parameter sets", "one table for each block of cases"),
@@ -25,11 +24,11 @@ WORDS = {
 """What rules on the way to the data set do, and what they leave."""
 
 LANES = (
-    ("cases, simulation", ("sampling", "simulation", "scenes")),
-    ("data set", ("dataset", "external")),
-    ("learning", ("learning", "models")),
+    ("cases, simulation", ("sampling", "simulation")),
+    ("wear, data set", ("wear", "dataset", "external")),
+    ("learning", ("baselines", "physical", "learning")),
 )
-"""Titles of the columns of the whole workflow and the files of rules in each."""
+"""Titles of the columns of the whole workflow and the stages in each."""
 
 LAST_LANE = "figures, tables"
 
@@ -44,6 +43,11 @@ _WIDE = 2.2
 _TINT = {"data": "#E8F1F8", "step": "white", "choice": "#FDF3E0"}
 
 
+def draw_generation(graph: pd.DataFrame, study: Mapping, setup: Mapping | None) -> Figure:
+    """`generation_figure` of the plain values of a `Setup`."""
+    return generation_figure(graph, study, None if setup is None else Setup.from_dict(setup))
+
+
 def generation_figure(
     graph: pd.DataFrame, study: Mapping[str, object], setup: Setup | None
 ) -> Figure:
@@ -52,7 +56,7 @@ def generation_figure(
     Parameters
     ----------
     graph : pandas.DataFrame
-        From `abradem.rulegraph.rule_graph`.
+        From `abradem.running.rule_graph.rule_graph`.
     study : mapping
         cases, blocks, jobs, method, seed, and ``external``, the table where nothing is simulated.
     setup : Setup or None
@@ -76,7 +80,7 @@ def workflow_figure(graph: pd.DataFrame) -> Figure:
     Parameters
     ----------
     graph : pandas.DataFrame
-        From `abradem.rulegraph.rule_graph`.
+        From `abradem.running.rule_graph.rule_graph`.
 
     Returns
     -------
@@ -342,7 +346,7 @@ def _simulation(panel, setup: Setup) -> None:
     feed = (
         f"{setup.mass_rate:g} kg/s"
         if setup.mass_rate is not None
-        else f"{setup.number_rate:g} stones/s"
+        else f"{setup.number_rate:g} particles/s"
     )
     mm = {name: f"{1e3 * getattr(setup, name):g}" for name in (
         "plate_length", "plate_width", "facet_size", "patch_length", "patch_width", "fall_height",
@@ -365,7 +369,7 @@ def _simulation(panel, setup: Setup) -> None:
     small = half - 0.1
     first = [
         (left, 0, "materials and interaction",
-         "$G$, $\\nu$, $\\rho$ of stones and plate;\n$e$, $\\mu_s$, $\\mu_r$, $W$", "data"),
+         "$G$, $\\nu$, $\\rho$ of particles and plate;\n$e$, $\\mu_s$, $\\mu_r$, $W$", "data"),
         (right, 0, "geometry and motion",
          "$\\varphi$, $\\theta$, $R$, $v_y$ of the case", "data"),
         (left, 1, "plate",
@@ -389,7 +393,7 @@ def _simulation(panel, setup: Setup) -> None:
     )  # fmt: skip
     _box(
         panel, x_middle, y(3), wide, tall, "advance",
-        f"release stones, contact forces, move, remove {mm['removal_depth']} mm below;\nadd "
+        f"release particles, contact forces, move, remove {mm['removal_depth']} mm below;\nadd "
         "$F_n\\,\\mathrm{d}s$ to the facet below each contact",
     )  # fmt: skip
     _box(
@@ -466,3 +470,20 @@ def _curve(panel, start, end, colour) -> None:
             arrowstyle="-", lw=0.8, color=colour, alpha=0.7, zorder=1, shrinkA=0, shrinkB=0,
         )
     )  # fmt: skip
+
+
+def needs_of(graph: pd.DataFrame) -> dict[str, set[str]]:
+    """Rules that each rule takes files from, without those that others of them imply."""
+    direct = {rule: set(rows["needs"]) - {""} for rule, rows in graph.groupby("rule")}
+    beyond: dict[str, set[str]] = {}
+
+    def ancestors(rule: str) -> set[str]:
+        if rule not in beyond:
+            near = direct.get(rule, set())
+            beyond[rule] = near.union(*(ancestors(one) for one in near))
+        return beyond[rule]
+
+    return {
+        rule: {one for one in near if not any(one in ancestors(other) for other in near - {one})}
+        for rule, near in direct.items()
+    }

@@ -2,12 +2,46 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from abradem.dem.model import Setup
 from abradem.figures import style
-from abradem.parameters import quantity
+from abradem.figures.maps import depth_rate_maps
+from abradem.store.tables import concatenate
+from abradem.words.labels import LABELS
+
+
+def draw(
+    cases: pd.DataFrame,
+    maps: Iterable[pd.DataFrame],
+    runs: Iterable[pd.DataFrame],
+    setup: Mapping,
+    grid: Mapping,
+) -> Figure:
+    """`gallery_figure` of the cases that stand for the parameter space.
+
+    Parameters
+    ----------
+    cases : pandas.DataFrame
+        All cases.
+    maps, runs : iterable of pandas.DataFrame
+        Tables of batches. Of each map only the chosen cases are kept, as those of all cases of a
+        large study do not fit into memory.
+    setup : mapping
+        Plain values of the `Setup`.
+    grid : mapping
+        Arguments of `chosen_cases`.
+    """
+    joined = concatenate(runs)
+    places = chosen_cases(cases, joined, **grid)
+    chosen = list(places["case_id"])
+    kept = concatenate(part[part["case_id"].isin(chosen)] for part in maps)
+    shown = depth_rate_maps(kept, joined, cases, Setup.from_dict(setup), chosen)
+    return gallery_figure(*shown, places, grid["across"], grid["down"])
 
 
 def gallery_figure(
@@ -18,9 +52,9 @@ def gallery_figure(
     Parameters
     ----------
     facets, panels : pandas.DataFrame
-        From `abradem.wear_rate.depth_rate_maps`.
+        From `abradem.figures.maps.depth_rate_maps`.
     places : pandas.DataFrame
-        case_id, row, column from `abradem.gallery.chosen_cases`.
+        case_id, row, column from `abradem.figures.gallery.chosen_cases`.
     across, down : str
         Quantities by which columns and rows are ordered.
 
@@ -52,7 +86,7 @@ def gallery_figure(
             bar.set_label("Depth rate over its largest")
         style.caption(
             figure,
-            f"columns by {quantity(across).long_name}, rows by {quantity(down).long_name}; the "
+            f"columns by {LABELS[across].long_name}, rows by {LABELS[down].long_name}; the "
             "case nearest to the middle of each cell of the sampled span; above each map these "
             "two and the radius, below it its largest depth rate; up the slope to the "
             "right",
@@ -89,3 +123,42 @@ def _map(panel, rows: pd.DataFrame, case: pd.Series):
     )  # fmt: skip
     panel.set_xlabel(f"{style.number(top, 2)} mm/s", fontsize=6.5, labelpad=1.5)
     return mesh
+
+
+def chosen_cases(
+    cases: pd.DataFrame, runs: pd.DataFrame, across: str, down: str, columns: int, rows: int
+) -> pd.DataFrame:
+    """The case nearest to the middle of each cell of a grid over two quantities.
+
+    Parameters
+    ----------
+    cases, runs : pandas.DataFrame
+        Cases without a window of facets are not chosen.
+    across, down : str
+        Quantities that grow from left to right and from top to bottom.
+    columns, rows : int
+        Cells; the quantities' spans are divided evenly.
+
+    Returns
+    -------
+    pandas.DataFrame
+        case_id, row, column; a cell without a case has no line.
+    """
+    good = runs[(runs["status"] == "ok") & (runs["window_end"] > runs["window_start"])]
+    known = cases[cases["case_id"].isin(good["case_id"])].reset_index(drop=True)
+    if known.empty:
+        return pd.DataFrame({"case_id": [], "row": [], "column": []}, dtype=int)
+    place = {}
+    for name, count in ((across, columns), (down, rows)):
+        low, high = cases[name].min(), cases[name].max()
+        place[name] = count * (known[name] - low) / ((high - low) or 1.0)
+    cell = {
+        name: np.clip(place[name].astype(int), 0, count - 1)
+        for name, count in ((across, columns), (down, rows))
+    }
+    off = sum((place[name] - cell[name] - 0.5) ** 2 for name in (across, down))
+    table = pd.DataFrame(
+        {"case_id": known["case_id"], "row": cell[down], "column": cell[across], "off": off}
+    )
+    nearest = table.sort_values(["off", "case_id"]).drop_duplicates(["row", "column"])
+    return nearest.sort_values(["row", "column"], ignore_index=True)[["case_id", "row", "column"]]

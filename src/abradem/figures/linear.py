@@ -7,9 +7,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from abradem.dataset import COLUMNS
 from abradem.figures import style
-from abradem.parameters import quantity
+from abradem.words.labels import LABELS, WEAR_WORDS
 
 LOG_SPAN = 30.0
 """Largest over smallest value from which axes are logarithmic."""
@@ -21,7 +20,7 @@ def coefficients_figure(coefficients: pd.DataFrame, model: dict) -> Figure:
     Parameters
     ----------
     coefficients : pandas.DataFrame
-        From `abradem.learning.linear.fit_linear`.
+        From `abradem.learning.baselines.linear.fit_linear`.
     model : dict
         Its summary.
 
@@ -133,7 +132,7 @@ def _coefficient_panel(panel, part: pd.DataFrame, limit: float) -> None:
     panel.set_xticks(
         places,
         [
-            f"{symbol}\n${quantity(name).tex}$"
+            f"{symbol}\n${LABELS[name].tex}$"
             for symbol, name in zip(part["symbol"], part["feature"], strict=True)
         ],
     )
@@ -171,7 +170,7 @@ def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) ->
 
 def _target_words(model: dict) -> str:
     name = model["target"]["name"]
-    words = COLUMNS[name].long_name
+    words = WEAR_WORDS[name]
     return words[0].upper() + words[1:]
 
 

@@ -2,21 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from abradem.dem.model import Setup
 from abradem.figures import style
+from abradem.figures.cases_shown import runs_shown, stacked
+from abradem.quantities import SAMPLED_NAMES
+from abradem.store.tables import concatenate
+from abradem.units import MM_PER_M
+from abradem.wear.rates import depth_map
 
 
-def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, reading: str = "total") -> Figure:
+def draw(
+    maps: Iterable[pd.DataFrame],
+    runs: Iterable[pd.DataFrame],
+    cases: Iterable[pd.DataFrame],
+    setup: Mapping,
+    shown: Sequence[int],
+) -> Figure:
+    """`wear_maps_figure` of the tables of batches, see `depth_rate_maps`."""
+    tables = (concatenate(parts) for parts in (maps, runs, cases))
+    return wear_maps_figure(*depth_rate_maps(*tables, Setup.from_dict(setup), shown))
+
+
+def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, measure: str = "total") -> Figure:
     """Depth rate of every facet of the plate, one panel per case, yellow to red.
 
     Parameters
     ----------
     facets, panels : pandas.DataFrame
-        From `abradem.wear_rate.depth_rate_maps`.
-    reading : str
+        From `abradem.figures.maps.depth_rate_maps`.
+    measure : str
         Named below the panels.
 
     Returns
@@ -40,7 +60,7 @@ def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, reading: str = 
                 _map_panel(figure, panel, rows)
         style.caption(
             figure,
-            f"reading: {reading}; depth rate of facets {_window_words(panels)}; "
+            f"wear measure: {measure}; depth rate of facets {_window_words(panels)}; "
             "x along the slope, z across, from the plate's centre; each panel has its own scale",
         )
     return figure
@@ -74,3 +94,59 @@ def _window_words(panels: pd.DataFrame) -> str:
         return "in the window after the transient"
     words = list(dict.fromkeys((f"{lengths.min():.2g}", f"{lengths.max():.2g}")))
     return f"in the first {' to '.join(words)} s after the transient"
+
+
+def depth_rate_maps(
+    maps: pd.DataFrame,
+    runs: pd.DataFrame,
+    cases: pd.DataFrame,
+    setup: Setup,
+    shown: Sequence[int],
+    measure: str = "total",
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Wear depth rate of every facet in the window, for some cases.
+
+    Parameters
+    ----------
+    maps, runs, cases, setup
+        As for `wear_rates`; rows of other cases are ignored.
+    shown : sequence of int
+        Cases, in the order wanted.
+    measure : str
+        One of `abradem.quantities.WEAR_MEASURES`.
+
+    Returns
+    -------
+    facets : pandas.DataFrame
+        case_id, facet_x, facet_z, the facet's middle ``x`` and ``z`` (mm along the plate's
+        slope and width from its centre), ``depth_rate`` (mm/s).
+    panels : pandas.DataFrame
+        One row per case of ``shown`` among the runs: case_id, status, the sampled quantities,
+        window_start, window_end (s; nan without a steady state, the case then has no facets).
+    """
+    nx, nz = setup.facets
+    facet_x, facet_z = (index.ravel() for index in np.indices((nx, nz)))
+    places = {
+        "facet_x": facet_x,
+        "facet_z": facet_z,
+        "x": MM_PER_M * setup.plate_length * ((facet_x + 0.5) / nx - 0.5),
+        "z": MM_PER_M * setup.plate_width * ((facet_z + 0.5) / nz - 0.5),
+    }
+    constants = cases.set_index("case_id")
+    facets, panels = [], []
+    for run in runs_shown(runs, shown):
+        key = run["case_id"]
+        row = constants.loc[key]
+        window = run["window_end"] - run["window_start"]
+        if window > 0.0:
+            wear = depth_map(maps[maps["case_id"] == key], setup.facets)[measure]
+            per_joule = row["archard_constant"] * nx * nz / (setup.plate_area * window)
+            rate = MM_PER_M * per_joule * wear.ravel()
+            facets.append(pd.DataFrame({"case_id": key, **places, "depth_rate": rate}))
+        panels.append(
+            {
+                **{name: run[name] for name in ("case_id", "status", "window_start", "window_end")},
+                **{name: float(row[name]) for name in SAMPLED_NAMES},
+            }
+        )
+    return stacked(facets, ("case_id", *places, "depth_rate")), pd.DataFrame(panels)

@@ -1,7 +1,7 @@
 """A picture of spheres over a plate: rays from an eye, exact silhouettes, shading, shadows.
 
-Plotting libraries draw a sphere as a set of polygons sorted by depth, which fails where stones
-touch stones or the plate. Here every pixel gets the nearest surface that its ray meets; spheres
+Plotting libraries draw a sphere as a set of polygons sorted by depth, which fails where particles
+touch particles or the plate. Here every pixel gets the nearest surface that its ray meets; spheres
 and parallelograms need nothing but the roots of a quadratic and of a linear equation. Lengths
 are metres, y is up, and the plate is that of `abradem.dem.plate`: centre at the origin, rising
 along +x for positive angles.
@@ -17,7 +17,7 @@ import numpy as np
 LIGHT = np.array([0.35, -1.0, -0.45]) / np.linalg.norm([0.35, -1.0, -0.45])
 """Direction in which the light shines."""
 
-STONE = np.array([0.53, 0.58, 0.64])
+PARTICLE = np.array([0.53, 0.58, 0.64])
 STEEL = np.array([0.72, 0.73, 0.75])
 PATCH = np.array([0.0, 0.447, 0.698])
 
@@ -122,7 +122,7 @@ def tilted(angle: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Patch:
-    """The patch from which the stones come: extents (m), height of its centre (m), angle (deg)."""
+    """The patch from which the particles come: extents (m), height of its centre (m), angle (deg)."""
 
     length: float
     width: float
@@ -177,7 +177,7 @@ def picture(
     _draw_plate(image, depth, fine, plate, _shadows(plate, centres, radius))
     tints = np.ones(len(centres)) if tints is None else tints
     for centre, tint in zip(centres, tints, strict=True):
-        _draw_sphere(image, depth, fine, centre, radius, tint * STONE)
+        _draw_sphere(image, depth, fine, centre, radius, tint * PARTICLE)
     if patch is not None:
         _draw_patch(image, depth, fine, patch)
     image = image.reshape(camera.height, finer, camera.width, finer, 3).mean(axis=(1, 3))
@@ -301,7 +301,7 @@ def _shadows(plate, centres, radius) -> np.ndarray:
         height = place[1]
         if height <= 0.0:
             continue
-        # The edge of a shadow is the softer the higher the stone.
+        # The edge of a shadow is the softer the higher the particle.
         soft = 0.15 * radius + 0.12 * height
         foot = place[[0, 2]] - light[[0, 2]] * height / light[1]
         reach = (radius + soft) / -light[1]

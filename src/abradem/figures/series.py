@@ -3,25 +3,45 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import NullFormatter
 
+from abradem.dem.model import Setup
 from abradem.figures import style
+from abradem.figures.cases_shown import runs_shown, stacked
+from abradem.quantities import SAMPLED_NAMES
+from abradem.store.tables import concatenate
+from abradem.units import MM_PER_M
+from abradem.wear.rates import steady_rate
 
 
-def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, reading: str = "total") -> Figure:
+def draw(
+    series: Iterable[pd.DataFrame],
+    runs: Iterable[pd.DataFrame],
+    cases: Iterable[pd.DataFrame],
+    setup: Mapping,
+    shown: Sequence[int],
+    min_batches: int,
+) -> Figure:
+    """`series_figure` of the tables of batches, see `depth_series`."""
+    tables = (concatenate(parts) for parts in (series, runs, cases))
+    values = Setup.from_dict(setup)
+    return series_figure(*depth_series(*tables, values, shown, min_batches=min_batches))
+
+
+def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, measure: str = "total") -> Figure:
     """Mean wear depth of the plate against time, one panel per case.
 
     Parameters
     ----------
     curves, fits : pandas.DataFrame
-        From `abradem.wear_rate.depth_series`.
-    reading : str
+        From `abradem.figures.series.depth_series`.
+    measure : str
         Named below the panels.
 
     Returns
@@ -51,7 +71,7 @@ def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, reading: str = "tota
         )
         style.caption(
             figure,
-            f"reading: {reading}; slope ± standard error from equal batches of the steady part; "
+            f"wear measure: {measure}; slope ± standard error from equal batches of the steady part; "
             r"$R^2$ of the cumulative curve only describes",
         )
     return figure
@@ -89,79 +109,63 @@ def _series_panel(panel, curve: pd.DataFrame, row: dict) -> None:
     )  # fmt: skip
 
 
-def quality_figure(quality: pd.DataFrame, target_stderr: float, good_r2: float = 0.95) -> Figure:
-    """How well the wear rates are known: standard errors, and R2 of the cumulative series.
+def depth_series(
+    series: pd.DataFrame,
+    runs: pd.DataFrame,
+    cases: pd.DataFrame,
+    setup: Setup,
+    shown: Sequence[int],
+    measure: str = "total",
+    min_batches: int = 20,
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Mean wear depth of the plate against time for some cases, and the fitted slopes.
 
     Parameters
     ----------
-    quality : pandas.DataFrame
-        From `abradem.wear_rate.quality_table`.
-    target_stderr : float
-        Relative standard error that the simulations aim at.
-    good_r2 : float
-        R2 from which a series counts as good.
+    series, runs, cases, setup
+        As for `wear_rates`; rows of other cases are ignored.
+    shown : sequence of int
+        Cases, in the order wanted.
+    measure : str
+        One of `abradem.quantities.WEAR_MEASURES`.
+    min_batches : int
+        As for `wear_rates`.
 
     Returns
     -------
-    matplotlib.figure.Figure
+    curves : pandas.DataFrame
+        case_id, time (s), wear_depth (mm).
+    fits : pandas.DataFrame
+        One row per case of ``shown`` among the runs: case_id, status, the sampled quantities,
+        the line from (``time_from``, ``depth_from``) to (``time_to``, ``depth_to``) in s and
+        mm, ``rate`` and ``rate_stderr`` in mm/s, ``r2``; nan without a steady state.
     """
-    with style.style():
-        figure, (left, right) = style.panels(2, 2, 2.0)
-        errors = 100.0 * quality["relative_stderr"].to_numpy(dtype=float)
-        errors = errors[np.isfinite(errors)]
-        scores = quality["wear_r2"].to_numpy(dtype=float)
-        scores = scores[np.isfinite(scores)]
-
-        aim = 100.0 * target_stderr
-        left.hist(errors, bins=_bins(errors.max(initial=0.0), aim), color=style.BLUE)
-        left.set_xlim(0.0, None)
-        within = int((errors <= aim).sum())
-        left.axvline(aim, color=style.RED, ls="--", lw=0.9)
-        _in_corner(left, f"{within} of {len(quality)} cases\nat most {aim:g} %")
-        left.set_title(f"{style.letter(0)} standard error of the plate mean", loc="left")
-        left.set_xlabel("Relative standard error (%)")
-        left.set_ylabel("Cases")
-
-        # R2 crowds below 1: its distance from 1 shows on a logarithmic axis.
-        distance = np.clip(1.0 - scores, 1e-8, None)
-        limit = max(1.0 - good_r2, 1e-8)
-        ends = [min(distance.min(initial=limit), limit), max(distance.max(initial=limit), limit)]
-        low, high = (np.log10(end / limit) * _BINS_PER_DECADE for end in ends)
-        steps = np.arange(np.floor(low), np.ceil(high) + 1.5)
-        right.hist(distance, bins=limit * 10.0 ** (steps / _BINS_PER_DECADE), color=style.BLUE)
-        right.set_xscale("log")
-        bounds = (np.floor(np.log10(min(ends))), np.ceil(np.log10(max(ends))))
-        right.set_xlim(*(10.0**bound for bound in bounds))
-        right.xaxis.set_minor_formatter(NullFormatter())
-        right.axvline(limit, color=style.RED, ls="--", lw=0.9)
-        good = int((scores >= good_r2).sum())
-        right.text(
-            0.03, 0.97, f"{good} of {len(quality)} cases\nwith $R^2 \\geq$ {good_r2:g}",
-            transform=right.transAxes, va="top", fontsize=7.0,
-        )  # fmt: skip
-        right.set_title(f"{style.letter(1)} straightness of the cumulative wear", loc="left")
-        right.set_xlabel(r"$1 - R^2$ of the cumulative series")
-        right.set_ylabel("Cases")
-        for panel in (left, right):
-            panel.yaxis.get_major_locator().set_params(integer=True)
-            panel.set_ylim(0.0, 1.3 * panel.get_ylim()[1])
-        style.caption(
-            figure,
-            f"{len(quality)} cases; dashed: standard error aimed at, stated $R^2$; "
-            r"$R^2$ of a cumulative series is near 1 whatever happens: it only describes",
+    constants = cases.set_index("case_id")
+    curves, fits = [], []
+    for run in runs_shown(runs, shown):
+        key = run["case_id"]
+        rows = series[series["case_id"] == key]
+        time = rows["time"].to_numpy(dtype=float)
+        per_joule = MM_PER_M * float(constants.at[key, "archard_constant"]) / setup.plate_area
+        depth = per_joule * rows[f"worn_{measure}"].to_numpy(dtype=float)
+        curves.append(pd.DataFrame({"case_id": key, "time": time, "wear_depth": depth}))
+        start = run["steady_from"]
+        fit = steady_rate(time, depth, start, min_batches)
+        known = np.isfinite(fit.rate)
+        from_depth = float(np.interp(start, time, depth)) if known else np.nan
+        end = time[-1] if known else np.nan
+        fits.append(
+            {
+                "case_id": key,
+                "status": run["status"],
+                **{name: float(constants.at[key, name]) for name in SAMPLED_NAMES},
+                "time_from": start,
+                "time_to": end,
+                "depth_from": from_depth,
+                "depth_to": from_depth + fit.rate * (end - start),
+                "rate": fit.rate,
+                "rate_stderr": fit.stderr,
+                "r2": fit.r2,
+            }
         )
-    return figure
-
-
-_BINS_PER_DECADE = 6
-
-
-def _bins(largest: float, aim: float) -> np.ndarray:
-    """About 30 equal bins from 0 to the largest value, one edge at the value aimed at."""
-    reach = max(largest / aim, 2.0)
-    width = aim / max(1, int(30 / reach)) * max(1, int(np.ceil(reach / 30)))
-    return width * np.arange(int(np.ceil(reach * aim / width)) + 1)
-
-
-def _in_corner(panel, words: str) -> None:
-    panel.text(0.97, 0.97, words, transform=panel.transAxes, ha="right", va="top", fontsize=7.0)
+    return stacked(curves, ("case_id", "time", "wear_depth")), pd.DataFrame(fits)

@@ -15,18 +15,35 @@ from matplotlib.ticker import MaxNLocator
 from abradem.dem.model import Setup
 from abradem.figures import style
 from abradem.figures.render import Camera, Patch, Plate, picture, tilted
-from abradem.parameters import quantity
+from abradem.wear.depths import depth_frames
+from abradem.words.labels import LABELS
 
 HEIGHT = 3.75
 """Height of the figure, inches."""
 
 _EYE = np.array([-0.32, 0.46, 0.83])
 _DISTANCE = 5.0
-"""Of the eye, in heights of what it sees: far, so that near stones are hardly larger."""
+"""Of the eye, in heights of what it sees: far, so that near particles are hardly larger."""
 
 _MARGIN = 1.12
 _PICTURE = (0.0, 0.07, 0.60, 0.93)
 _MAP = (0.665, 0.28, 0.225, 0.225 * style.PAGE / HEIGHT)
+
+
+def draw(particles: pd.DataFrame, wear: pd.DataFrame, case: Mapping, setup: Mapping) -> Figure:
+    """Set-up of the last snapshot of a case.
+
+    Parameters
+    ----------
+    particles, wear : pandas.DataFrame
+        Snapshots from `abradem.simulation.snapshots`.
+    case, setup : mapping
+        Plain values of `Case` and `Setup`.
+    """
+    values = Setup.from_dict(setup)
+    times, depth = depth_frames(wear, case, values)
+    last = particles[particles["time"] == times[-1]]
+    return setup_figure(last, depth[-1], times[-1], case, values)
 
 
 def setup_figure(
@@ -60,7 +77,7 @@ def setup_figure(
         camera = _camera(plate, patch, scene)
         image = picture(
             camera, plate, particles[["x", "y", "z"]].to_numpy(), case["particle_radius"], patch,
-            tints=stone_tints(particles["particle"]),
+            tints=particle_tints(particles["particle"]),
         )  # fmt: skip
         scene.imshow(image, interpolation="none")
         scene.set_axis_off()
@@ -104,12 +121,12 @@ def worn_plate(depth: np.ndarray, top: float, case: Mapping[str, float], setup: 
 
 
 def factory_patch(case: Mapping[str, float], setup: Setup) -> Patch:
-    """The patch from which the stones come."""
+    """The patch from which the particles come."""
     return Patch(setup.patch_length, setup.patch_width, setup.fall_height, case["factory_angle"])
 
 
-def stone_tints(identities) -> np.ndarray:
-    """Brightness of stones: a little different from one to the next, so that they tell apart."""
+def particle_tints(identities) -> np.ndarray:
+    """Brightness of particles: a little different from one to the next, so that they tell apart."""
     golden = 0.618034
     return 1.1 + 0.3 * (np.asarray(identities) * golden % 1.0)
 
@@ -206,7 +223,7 @@ def _annotate(scene, camera, plate, patch, case, setup) -> None:
 
 
 def _symbol(name: str) -> str:
-    return f"${quantity(name).tex}$"
+    return f"${LABELS[name].tex}$"
 
 
 def _number(value: float) -> str:
@@ -237,10 +254,10 @@ def _words(particles: pd.DataFrame, case: Mapping[str, float], setup: Setup) -> 
     rate = (
         f"{setup.mass_rate:g} kg/s"
         if setup.mass_rate is not None
-        else f"{setup.number_rate:g} stones per second"
+        else f"{setup.number_rate:g} particles per second"
     )
     return (
-        f"{len(particles)} stones of {_number(1e3 * case['particle_radius'])} mm radius, {rate}; "
+        f"{len(particles)} particles of {_number(1e3 * case['particle_radius'])} mm radius, {rate}; "
         "all other quantities in the middle of their ranges; "
         f"{_symbol('archard_constant')} = {style.number(case['archard_constant'])} 1/Pa"
     )

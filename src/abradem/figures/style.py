@@ -11,7 +11,7 @@ import contextlib
 import math
 import string
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -19,8 +19,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from abradem.dataset import replacing
-from abradem.parameters import quantity
+from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
+from abradem.quantities import quantity
+from abradem.store.files import replacing
+from abradem.words.labels import LABELS, feature_label
 
 MM_PER_INCH = 25.4
 COLUMN = 85.0 / MM_PER_INCH
@@ -33,6 +35,15 @@ FORMATS = ("pdf", "png")
 BLUE, ORANGE, GREEN, RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
 PURPLE, SKY, YELLOW, BLACK = "#CC79A7", "#56B4E9", "#F0E442", "#000000"
 GREY, LIGHT_GREY = "#666666", "#E5E5E5"
+PROTOCOL_COLOURS = {AS_PUBLISHED: RED, LEAKAGE_FREE: BLUE}
+MODEL_COLOURS = {
+    "power_law": GREEN,
+    "networks": PURPLE,
+    "boosting": ORANGE,
+    "gaussian_process": BLUE,
+    "surrogate": SKY,
+}
+"""Colours of the models on dimensionless groups."""
 PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK)
 WEAR_MAP = "YlOrRd"
 """Colours of depth maps, yellow to red."""
@@ -107,9 +118,27 @@ def with_unit(words: str, unit: str) -> str:
 
 def axis_label(name: str) -> str:
     """Axis label of a quantity of the table: what it is, its symbol, its unit."""
-    row = quantity(name)
-    words = row.long_name[0].upper() + row.long_name[1:]
-    return with_unit(f"{words} ${row.tex}$", row.unit)
+    tex, long_name = LABELS[name]
+    return with_unit(f"{long_name[0].upper()}{long_name[1:]} ${tex}$", quantity(name).unit)
+
+
+def short_label(name: str) -> str:
+    """Words and symbol of a quantity, short enough for a tick."""
+    tex, long_name = LABELS[name]
+    words = long_name.removeprefix("coefficient of ").removesuffix(" (vertical)")
+    return f"{words}  ${tex}$"
+
+
+def feature_rows(panel: Axes, names: Sequence[str]) -> None:
+    """A panel with one row for each feature, the first on top."""
+    panel.set_yticks(range(len(names)), [feature_label(name) for name in names], fontsize=6.5)
+    panel.tick_params(axis="y", length=0)
+    panel.set_ylim(len(names) - 0.4, -0.6)
+
+
+def minus(text: str) -> str:
+    """A number's text with a minus sign."""
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def feature_colours(names: Iterable[str]) -> list[str]:

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from abradem.figures import style
-from abradem.figures.words import AS_PUBLISHED, COLOURS, HONEST, PROTOCOLS, feature_rows
-from abradem.parameters import quantity
+from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
+from abradem.words.labels import LABELS, PROTOCOLS
 
 LOWEST = -1.5
 DRAWN_DEPTH = 4
@@ -23,22 +23,22 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
     ----------
     curve, importance : pandas.DataFrame
     summary : dict
-        From `abradem.learning.trees.fit_trees`.
+        From `abradem.learning.baselines.trees.fit_trees`.
     """
     with style.style():
         figure, axes = style.panels(3, 3, 3.2)
         # One scale for both, so that they compare.
         low = min(float(curve[["r2", "r2_lower"]].min().min()), 0.0)
-        for index, protocol in enumerate((AS_PUBLISHED, HONEST)):
+        for index, protocol in enumerate((AS_PUBLISHED, LEAKAGE_FREE)):
             panel = axes[index]
             rows = curve[curve["protocol"] == protocol]
             for split, line in (("train", "--"), ("test", "-")):
                 part = rows[rows["split"] == split]
-                panel.plot(part["depth"], part["r2"], line, color=COLOURS[protocol])
+                panel.plot(part["depth"], part["r2"], line, color=style.PROTOCOL_COLOURS[protocol])
                 if part["r2_lower"].notna().any():
                     panel.fill_between(
                         part["depth"], part["r2_lower"], part["r2_upper"],
-                        color=COLOURS[protocol], alpha=0.15, lw=0,
+                        color=style.PROTOCOL_COLOURS[protocol], alpha=0.15, lw=0,
                     )  # fmt: skip
             panel.set_ylim(max(low - 0.1, LOWEST), 1.08)
             panel.axhline(0.0, color=style.BLACK, lw=0.5)
@@ -61,8 +61,8 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
         style.caption(
             figure,
             "as published: unscaled features, one split; at its best depth the tree splits "
-            f"{count} times on the wear constant. Honest: standardised, median and central share "
-            "of the repeated splits. (c): share of the variance removed, all rows, honest models",
+            f"{count} times on the wear constant. Leakage-free: standardised, median and central share "
+            "of the repeated splits. (c): share of the variance removed, all rows, leakage-free models",
         )
     return figure
 
@@ -73,10 +73,10 @@ def _importance_panel(panel, importance: pd.DataFrame) -> None:
     for shift, model, colour in ((-0.2, "tree", style.SKY), (0.2, "forest", style.GREEN)):
         rows = importance[importance["model"] == model].set_index("feature").loc[features]
         panel.barh(places + shift, rows["importance"], height=0.4, color=colour, label=model)
-    feature_rows(panel, features)
+    style.feature_rows(panel, features)
     panel.set_xlabel("Importance")
     panel.legend(loc="lower right")
-    panel.set_title(f"{style.letter(2)} honest tree and forest", loc="left", fontsize=7.0)
+    panel.set_title(f"{style.letter(2)} leakage-free tree and forest", loc="left", fontsize=7.0)
 
 
 def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
@@ -86,7 +86,7 @@ def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
     ----------
     nodes : pandas.DataFrame
     summary : dict
-        From `abradem.learning.trees.fit_trees`.
+        From `abradem.learning.baselines.trees.fit_trees`.
     """
     rows = {row["node"]: row for row in nodes.to_dict("records")}
     with style.style():
@@ -124,7 +124,7 @@ def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
         pruned = summary["pruned"]
         style.caption(
             figure,
-            f"protocol: honest; all rows, standardised, pruned by cost and complexity with the "
+            f"protocol: leakage-free; all rows, standardised, pruned by cost and complexity with the "
             f"cross-validated penalty {pruned['ccp_alpha']:.2g}: {pruned['leaves']} leaves, depth "
             f"{pruned['depth']}; in each box the mean wear depth rate "
             f"({style.scaled_unit(power, 'mm/s')}) and the number of rows"
@@ -160,5 +160,5 @@ def _node_words(row: dict, power: int, cut: bool) -> str:
         return mean
     if cut:
         return f"{mean}\n..."
-    name = style.with_unit(f"${quantity(row['feature']).tex}$", row["unit"])
+    name = style.with_unit(f"${LABELS[row['feature']].tex}$", row["unit"])
     return f"{name}\n≤ {style.number(row['threshold'])}\n{mean}"

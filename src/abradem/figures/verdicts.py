@@ -9,9 +9,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from abradem.figures import style
+from abradem.verification.checks import HOLDS
+from abradem.verification.results_page import PARTS
 
 _LEAST = 1e-4
 """Checks that use less of their tolerance stand at this end of the axis."""
+
+
+def draw(checks: pd.DataFrame) -> Figure:
+    """`verdicts_figure` of the checks of `make verify`."""
+    return verdicts_figure(margins(checks), PARTS, HOLDS)
 
 
 def verdicts_figure(margins: pd.DataFrame, parts: Mapping[int, str], holds: str) -> Figure:
@@ -20,7 +27,7 @@ def verdicts_figure(margins: pd.DataFrame, parts: Mapping[int, str], holds: str)
     Parameters
     ----------
     margins : pandas.DataFrame
-        From `abradem.verification.margins.margins`.
+        From `abradem.figures.verdicts.margins`.
     parts : mapping of int to str
         Names of the parts.
     holds : str
@@ -56,3 +63,29 @@ def verdicts_figure(margins: pd.DataFrame, parts: Mapping[int, str], holds: str)
             f"than {_LEAST:g} stand on the left edge",
         )
     return figure
+
+
+def margins(checks: pd.DataFrame) -> pd.DataFrame:
+    """Share of the tolerance that each check uses; 1 is the limit.
+
+    Parameters
+    ----------
+    checks : pandas.DataFrame
+        As `abradem.verification.checks.checks_table` makes them, all parts together.
+
+    Returns
+    -------
+    pandas.DataFrame
+        part, law, verdict and ``used``: absolute difference over tolerance; of a bound from
+        above ours over it, of a bound from below it over ours.
+    """
+    ours, bound = (checks[name].abs().to_numpy(dtype=float) for name in ("ours", "reference"))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        used = np.select(
+            [checks["kind"] == "at most", checks["kind"] == "at least"],
+            [ours / bound, bound / ours],
+            checks["difference"].abs() / checks["tolerance"],
+        )
+    # Nothing used of a tolerance of nothing.
+    used = np.where(np.isnan(used) & (ours == bound), 0.0, used)
+    return checks[["part", "law", "verdict"]].assign(used=used)

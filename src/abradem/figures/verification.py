@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator, ScalarFormatter
 
 from abradem.figures import style
-from abradem.figures.words import minus
 
 _EXACT = {"color": style.BLACK, "ls": "--", "lw": 0.9, "label": "exact", "zorder": 3}
 _SMALL = {"ms": 2.5, "lw": 0.8}
@@ -83,20 +84,20 @@ def slip_figure(angles: pd.DataFrame) -> Figure:
 
 
 def convergence_figure(convergence: pd.DataFrame) -> Figure:
-    """Mean absolute error of each reading against the steps per contact."""
+    """Mean absolute error of each wear measure against the steps per contact."""
     with style.style():
         figure, (panel,) = style.panels(1, 1, 2.6, style.COLUMN)
         absolute = convergence.assign(error=convergence["error"].abs())
-        for colour, (reading, part) in zip(
-            style.PALETTE, absolute.groupby("reading", sort=False), strict=False
+        for colour, (measure, part) in zip(
+            style.PALETTE, absolute.groupby("measure", sort=False), strict=False
         ):
             mean = part.groupby("steps")["error"].mean()
-            panel.loglog(mean.index, mean, "o-", color=colour, label=reading, **_SMALL)
+            panel.loglog(mean.index, mean, "o-", color=colour, label=measure, **_SMALL)
         steps = np.array([16.0, 256.0])
         panel.loglog(steps, 0.01 * (16.0 / steps), color=style.GREY, lw=0.7, ls=":",
                      label="first order")  # fmt: skip
         panel.set_xlabel("Steps per contact")
-        panel.set_ylabel("Mean error over the reading's mean")
+        panel.set_ylabel("Mean error over the wear measure's mean")
         panel.set_title("convergence", loc="left")
         return _finish(
             figure, [panel], "e = 0.2, 0.5, 0.8 and four angles, mean over the phase of entry"
@@ -231,24 +232,26 @@ def jets_figure(jets: pd.DataFrame) -> Figure:
         panel.set_xlabel("Ours from the other code's (%)")
         panel.set_title("impulse of a jet on the plate", loc="left")
         return _finish(
-            figure, [panel], "80 stones on 40°; bars: twice the spread of nudged jets; grey: 1.5 %"
+            figure,
+            [panel],
+            "80 particles on 40°; bars: twice the spread of nudged jets; grey: 1.5 %",
         )
 
 
 def time_step_figure(mean: pd.DataFrame, jets: pd.DataFrame) -> Figure:
-    """Bias of the readings against the step, single impacts and jets."""
+    """Bias of the wear measures against the step, single impacts and jets."""
     with style.style():
         figure, panels = style.panels(3, 3, 2.3)
         left, middle, right = panels
         # Longer steps are for showing what goes wrong; they would hide the rest.
         mean, jets = (frame[frame["fraction"] <= 0.2] for frame in (mean, jets))
-        total = mean[mean["reading"] == "total"]
+        total = mean[mean["measure"] == "total"]
         for colour, (e, part) in zip(style.PALETTE, total.groupby("restitution"), strict=False):
             for ls, (speed, one) in zip(("-", ":"), part.groupby("speed"), strict=False):
                 one = one.sort_values("fraction")
                 left.plot(one["fraction"], 100.0 * one["bias"], marker="o", ls=ls, color=colour,
                           label=f"e = {e:g}, {speed:g} m/s", **_SMALL)  # fmt: skip
-        total = jets[jets["reading"] == "total"]
+        total = jets[jets["measure"] == "total"]
         for colour, (angle, one) in zip(
             (*style.PALETTE[3:6], style.GREY, style.BLACK),
             total.groupby("plate_angle", dropna=False),
@@ -258,14 +261,14 @@ def time_step_figure(mean: pd.DataFrame, jets: pd.DataFrame) -> Figure:
             words = "all four plates" if np.isnan(angle) else f"plate {angle:g}°"
             middle.errorbar(one["fraction"], 100.0 * one["bias"], 100.0 * one["bias_stderr"],
                             color=colour, marker="s", label=words, **_SMALL)  # fmt: skip
-        others = mean[mean["reading"] != "total"]
-        for ls, (reading, part) in zip(("-", "--"), others.groupby("reading"), strict=True):
+        others = mean[mean["measure"] != "total"]
+        for ls, (measure, part) in zip(("-", "--"), others.groupby("measure"), strict=True):
             worst = part.assign(bias=part["bias"].abs()).groupby("fraction")["bias"].max()
             right.plot(worst.index, 100.0 * worst, color=style.GREY, ls=ls, marker="^",
-                       label=reading, **_SMALL)  # fmt: skip
+                       label=measure, **_SMALL)  # fmt: skip
         left.set_title("total, single impacts", loc="left")
         middle.set_title("total, jets", loc="left")
-        right.set_title("other readings, largest", loc="left")
+        right.set_title("other wear measures, largest", loc="left")
         for panel in panels:
             panel.axhspan(-1.0, 1.0, color=style.LIGHT_GREY, lw=0, zorder=0)
             panel.set_xlabel("Step over the Rayleigh time")
@@ -321,7 +324,7 @@ def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:
             panels[1].errorbar(
                 one["plate_angle"], one["depth_rate"] / 10.0**power,
                 one["depth_stderr"] / 10.0**power, color=colour, marker="o",
-                label=minus(f"factory {factory:+g}°"), **_SMALL,
+                label=style.minus(f"factory {factory:+g}°"), **_SMALL,
             )  # fmt: skip
         panels[1].set_xlabel("Plate angle (°)")
         one = rates[rates["scene"].str.startswith("factory")]
@@ -335,7 +338,9 @@ def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:
             panel.set_ylabel(f"Depth rate ({style.scaled_unit(power, 'mm/s')})")
             panel.set_ylim(0, None)
             panel.set_title(words, loc="left")
-        return _finish(figure, panels, "stones at rest, $W = 10^{-10}$ /Pa; bars: standard error")
+        return _finish(
+            figure, panels, "particles at rest, $W = 10^{-10}$ /Pa; bars: standard error"
+        )
 
 
 def conveyor_figure(rates: pd.DataFrame) -> Figure:
@@ -380,7 +385,7 @@ def trends_figure(measurements: pd.DataFrame, exponents: pd.DataFrame) -> Figure
 
 
 def heap_figure(heap: pd.DataFrame) -> Figure:
-    """Stones resting on the plate: height against distance from the axis."""
+    """Particles resting on the plate: height against distance from the axis."""
     with style.style():
         figure, (panel,) = style.panels(1, 1, 2.2, style.COLUMN)
         panel.plot(1e3 * heap["x"], 1e3 * heap["height"], "o", color=style.BLUE, ms=3, alpha=0.5)
@@ -388,7 +393,7 @@ def heap_figure(heap: pd.DataFrame) -> Figure:
         panel.set_ylabel("Height (mm)")
         panel.set_title("heap on a level plate", loc="left")
         panel.set_ylim(0, None)
-        return _finish(figure, [panel], "centres of the stones at rest")
+        return _finish(figure, [panel], "centres of the particles at rest")
 
 
 def _chung_ooi(number: int):
@@ -414,3 +419,8 @@ FIGURES = {
     **{f"chung_ooi_{number}": _chung_ooi(number) for number in range(1, 9)},
 }
 """Functions by the name of the figure; the workflow knows the tables that each takes."""
+
+
+def draw(tables: Iterable[pd.DataFrame], figure: str) -> Figure:
+    """The figure of `FIGURES` of that name, from the tables that it shows."""
+    return FIGURES[figure](*tables)

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from abradem.learning import paper
-from abradem.learning.protocols import AS_PUBLISHED, HONEST
+from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
+from abradem.learning.published import SCORES
 from abradem.learning.scores import r2
 
 ORDER = (
@@ -95,13 +95,13 @@ def compare(
 
 
 def beside_paper(comparison: pd.DataFrame) -> pd.DataFrame:
-    """The printed figure, what its steps give here, and the honest score, for each model.
+    """The printed figure, what its steps give here, and the leakage-free score, for each model.
 
     Returns
     -------
     pandas.DataFrame
         model, printed_r2, as_published_r2, honest_r2, honest_lower, honest_upper, basis (of the
-        honest score), remark. nan where there is no such figure.
+        leakage-free score), remark. nan where there is no such figure.
     """
     rows = []
     for model in ORDER:
@@ -109,24 +109,24 @@ def beside_paper(comparison: pd.DataFrame) -> pd.DataFrame:
         if mine.empty:
             continue
         published = mine[(mine["protocol"] == AS_PUBLISHED) & (mine["basis"] == FIXED)]["r2"]
-        honest = mine[mine["protocol"] == HONEST]
+        leakage_free = mine[mine["protocol"] == LEAKAGE_FREE]
         best = next(
             (
-                honest[honest["basis"] == basis].iloc[0]
+                leakage_free[leakage_free["basis"] == basis].iloc[0]
                 for basis in (SPLITS, FIXED)
-                if (honest["basis"] == basis).any()
+                if (leakage_free["basis"] == basis).any()
             ),
             None,
         )
-        printed, remark = paper.SCORES.get(model, (np.nan, ""))
+        printed, remark = SCORES.get(model, (np.nan, ""))
         rows.append(
             {
                 "model": model,
                 "printed_r2": printed,
                 "as_published_r2": published.iloc[0] if len(published) else np.nan,
-                "honest_r2": np.nan if best is None else best["r2"],
-                "honest_lower": np.nan if best is None else best["r2_lower"],
-                "honest_upper": np.nan if best is None else best["r2_upper"],
+                "leakage_free_r2": np.nan if best is None else best["r2"],
+                "leakage_free_lower": np.nan if best is None else best["r2_lower"],
+                "leakage_free_upper": np.nan if best is None else best["r2_upper"],
                 "basis": "" if best is None else best["basis"],
                 "remark": remark,
             }

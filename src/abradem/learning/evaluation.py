@@ -13,13 +13,13 @@ import pandas as pd
 
 from abradem.learning.protocols import (
     AS_PUBLISHED,
-    HONEST,
+    LEAKAGE_FREE,
     PUBLISHED_SHARE,
     published_split,
     repeated_splits,
 )
+from abradem.learning.rows import Scaler, Table, standard_scaler
 from abradem.learning.scores import SCORE_COLUMNS, score, score_rows
-from abradem.learning.table import Scaler, Table, standard_scaler
 
 Predict = Callable[[np.ndarray], np.ndarray]
 Fit = Callable[[np.ndarray, np.ndarray], Predict]
@@ -115,13 +115,13 @@ def scalers_of_all_rows(table: Table) -> tuple[Scaler, Scaler]:
     return standard_scaler(table.features), standard_scaler(table.target)
 
 
-def evaluate_honest(
+def evaluate_leakage_free(
     results: Results, model: str, fit: Fit, test_share: float, repeats: int, seed: int
 ) -> None:
     """Score ``fit`` on the test rows of repeated splits; it sees training rows alone."""
     table = results.table
     splits = repeated_splits(table.keys, test_share, repeats, seed)
-    _evaluate(results, model, HONEST, fit, splits)
+    _evaluate(results, model, LEAKAGE_FREE, fit, splits)
 
 
 def evaluate_as_published(results: Results, model: str, fit: Fit) -> None:

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abradem.learning.modelfile import predict_network
+from abradem.learning.model_files import predict_network
 
 
 @contextlib.contextmanager

@@ -1,9 +1,9 @@
 """Two protocols of training and evaluation, and which rows each trains and tests on.
 
-``honest``
+``leakage_free``
     Everything that learns (scaler, selection of features, hyper-parameters, genetic search)
     sees training rows only; the test rows of a split are touched once, and are the same for
-    all models of a study. Dear models use the first of the repeated splits.
+    all models of a study. Expensive models use the first of the repeated splits.
 ``as_published``
     What the study's notebooks do: one shuffle with seed 42, a scaler fitted on all rows before
     the split, choices made on the test rows. It is kept to reproduce the printed figures; its
@@ -17,9 +17,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-HONEST = "honest"
+LEAKAGE_FREE = "leakage_free"
 AS_PUBLISHED = "as_published"
-PROTOCOLS = (AS_PUBLISHED, HONEST)
+PROTOCOLS = (AS_PUBLISHED, LEAKAGE_FREE)
 
 PUBLISHED_SEED = 42
 PUBLISHED_SHARE = 0.2

@@ -68,7 +68,7 @@ def score_rows(
     ]
 
 
-def summarise(scores: pd.DataFrame, confidence: float = 0.95) -> pd.DataFrame:
+def score_intervals(scores: pd.DataFrame, confidence: float = 0.95) -> pd.DataFrame:
     """Centre and interval of each metric over the repeats.
 
     The interval holds the central ``confidence`` of the repeats. Splits of one table overlap,
@@ -108,5 +108,5 @@ def scores_of(scores: pd.DataFrame, model: str, protocol: str, confidence: float
             }
             for row in rows.itertuples(index=False)
         }
-        for split, rows in summarise(mine, confidence).groupby("split", sort=False)
+        for split, rows in score_intervals(mine, confidence).groupby("split", sort=False)
     }

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from abradem.parameters import FEATURE_NAMES, QUANTITIES, SAMPLED
 from abradem.publish.description import (
     LICENCE,
     LICENCE_NAME,
@@ -15,6 +14,8 @@ from abradem.publish.description import (
     Description,
     File,
 )
+from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED
+from abradem.words.labels import LABELS
 
 STEP_BIAS = {
     0.15: "total by at most 0.9 %, sliding by 1.1 %, friction by 0.5 %",
@@ -24,7 +25,7 @@ STEP_BIAS = {
 speeds and restitutions of single impacts and in a dilute jet, from the verification study."""
 
 BEDS = (
-    "On nearly level plates small stones lie in a bed that shields the plate and may fill for many "
+    "On nearly level plates small particles lie in a bed that shields the plate and may fill for many "
     "seconds. A rate is taken when wear and particles present have stopped to change by more than "
     "20 %; of beds that were simulated for longer, single ones were off by up to 8 %, which is "
     "more than their standard error says."
@@ -37,13 +38,13 @@ FLAGS = {
     "stderr": "the relative standard error is above the one aimed at",
     "unsteady": "no steady state was reached, or the record still drifts at its end",
 }
-"""Words of the column ``quality``, see `abradem.wear_rate.quality`."""
+"""Words of the column ``quality``, see `abradem.wear.rates.quality`."""
 
 
 def card(description: Description) -> str:
     """The card as Markdown."""
     sections = (
-        _head, _content, _reading, _making, _quantities, _columns, _quality, _limits, _rights,
+        _head, _content, _measure, _making, _quantities, _columns, _quality, _limits, _rights,
     )  # fmt: skip
     return "\n".join("\n".join(section(description)) + "\n" for section in sections)
 
@@ -83,9 +84,9 @@ def _content(said: Description) -> Iterable[str]:
     ]
 
 
-def _reading(said: Description) -> Iterable[str]:
+def _measure(said: Description) -> Iterable[str]:
     return [
-        "## Reading it",
+        "## Wear measure it",
         "",
         "```python",
         "import pandas as pd",
@@ -107,7 +108,7 @@ def _making(said: Description) -> Iterable[str]:
     feed = (
         f"{setup['mass_rate']:g} kg/s"
         if setup["mass_rate"]
-        else f"{setup['number_rate']:g} stones per second"
+        else f"{setup['number_rate']:g} particles per second"
     )
     contact = ", ".join(f"{key}: {value}" for key, value in sorted(setup["contact"].items()))
     versions = ", ".join(f"{k} {v}" for k, v in sorted(said.versions["versions"].items()))
@@ -125,7 +126,7 @@ def _making(said: Description) -> Iterable[str]:
         "Their contacts follow Hertz and Mindlin with damping, Coulomb and rolling friction "
         f"({contact}). {pair} The time step is {setup['time_step_fraction']:g} of the Rayleigh "
         "time. Worn volume is Archard's: constant times normal force times distance, in three "
-        "readings of distance: *total*, all tangential motion under load; *sliding*, only while "
+        "wear measures of distance: *total*, all tangential motion under load; *sliding*, only while "
         "Coulomb's limit is active; *friction*, friction work over the coefficient of friction. "
         f"The plate is divided into facets of {1e3 * setup['facet_size']:g} "
         "mm. A rate is the slope of the worn volume in the steady state, from batch means; a case "
@@ -152,7 +153,7 @@ def _quantities(said: Description) -> Iterable[str]:
         drawn = said.config["sampling"]["ranges"][row.config_key]
         low, high = (float(f"{bound * row.config_factor:.6g}") for bound in drawn)
         lines.append(
-            f"| {row.symbol} | `{row.name}` | {row.unit} | {low:g} | {high:g} | {row.long_name} |"
+            f"| {row.symbol} | `{row.name}` | {row.unit} | {low:g} | {high:g} | {LABELS[row.name].long_name} |"
         )
     return lines
 
@@ -202,13 +203,13 @@ def _limits(said: Description) -> Iterable[str]:
         "",
         "- **Noise.** The relative standard error of `wear_total_mean` is "
         f"{relative.median():.2%} in the median and {relative.quantile(0.95):.2%} at the 95th "
-        f"percentile. {noise['cases']} cases of large stones simulated again with other seeds "
+        f"percentile. {noise['cases']} cases of large particles simulated again with other seeds "
         f"({noise['replicates']} runs) show that no model of this column can exceed R2 = "
         f"{noise['r2_floor']:.5f} ({noise['r2_floor_band'][0]:.5f} to "
         f"{noise['r2_floor_band'][1]:.5f}). The columns `max` and `p99` rest on a few facets, "
         "are noisier, and depend on the size of the facets"
         + (
-            f"; `wear_total_p99` is zero in {untouched} cases, whose stones left most facets "
+            f"; `wear_total_p99` is zero in {untouched} cases, whose particles left most facets "
             "untouched."
             if untouched
             else "."

@@ -18,15 +18,15 @@ from pathlib import Path, PurePosixPath
 import pandas as pd
 import pyarrow.parquet as pq
 
-from abradem.dataset import read_json, read_table, write_json, write_table
-from abradem.provenance import write_text
 from abradem.publish.card import card
 from abradem.publish.crate import ABOUT, crate
 from abradem.publish.croissant import croissant
 from abradem.publish.description import Description, File
+from abradem.store.files import read_json, write_json, write_text
+from abradem.store.tables import read_table, write_table
 
 DATASET = "dataset.parquet"
-SHARD = re.compile(r"block-(\d+)-shard-(\d+)\.parquet")
+BATCH = re.compile(r"block-(\d+)-batch-(\d+)\.parquet")
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,8 @@ def publish(folder: Path, results: Path, files: Iterable[Path], study: Study) ->
     files : iterable of path
         Files below ``results``, copied under the same names. Among them must be
         dataset.parquet, failures.parquet, config.yaml, versions.json, summary.json and
-        learning/noise_floor.json. Tables ``<name>/block-<block>-shard-<shard>.parquet`` become
-        ``<name>/block=<block>/shard-<shard>.parquet``.
+        learning/noise_floor.json. Tables ``<name>/block-<block>-batch-<batch>.parquet`` become
+        ``<name>/block=<block>/batch-<batch>.parquet``.
     study : Study
 
     Raises
@@ -75,15 +75,15 @@ def publish(folder: Path, results: Path, files: Iterable[Path], study: Study) ->
     results = Path(results)
     with replacing_folder(folder) as new:
         for source in map(Path, files):
-            if SHARD.fullmatch(source.name):
-                _add_shard(source, new)
+            if BATCH.fullmatch(source.name):
+                _add_batch(source, new)
             else:
                 _copy(source, new / source.relative_to(results))
         _partition(new / DATASET, new / Path(DATASET).stem)
         description = Description(
             study=study.name,
             title=study.said["title"]
-            or f"Wear of an inclined plate under a jet of stones: study {study.name}",
+            or f"Wear of an inclined plate under a jet of particles: study {study.name}",
             creators=tuple(study.said["creators"]),
             version=study.said["version"],
             date=study.said["date"] or _day(results / DATASET),
@@ -161,9 +161,9 @@ def _partition(table: Path, folder: Path) -> None:
         _write_part(rows, folder / f"block={block}" / "part-0.parquet")
 
 
-def _add_shard(source: Path, folder: Path) -> None:
-    block, shard = SHARD.fullmatch(source.name).groups()
-    target = folder / source.parent.name / f"block={int(block)}" / f"shard-{shard}.parquet"
+def _add_batch(source: Path, folder: Path) -> None:
+    block, batch = BATCH.fullmatch(source.name).groups()
+    target = folder / source.parent.name / f"block={int(block)}" / f"batch-{batch}.parquet"
     if "block" in pq.read_schema(source).names:
         _write_part(read_table(source), target)
     else:

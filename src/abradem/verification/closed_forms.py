@@ -9,25 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from abradem.dem.model import Material
-
-HERTZ_DURATION = 2.9432750
-"""Duration of an elastic impact times speed over largest overlap: 4/5 B(2/5, 1/2)."""
-
-
-def effective_youngs_modulus(a: Material, b: Material | None = None) -> float:
-    """1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2, Pa; b None is rigid."""
-    compliance = (1.0 - a.poisson_ratio**2) / a.youngs_modulus
-    if b is not None:
-        compliance += (1.0 - b.poisson_ratio**2) / b.youngs_modulus
-    return 1.0 / compliance
-
-
-def effective_shear_modulus(a: Material, b: Material) -> float:
-    """1/G* = (2 - nu_1)/G_1 + (2 - nu_2)/G_2, Pa."""
-    return 1.0 / (
-        (2.0 - a.poisson_ratio) / a.shear_modulus + (2.0 - b.poisson_ratio) / b.shear_modulus
-    )
+from abradem.elastic import hertz_duration, hertz_overlap, hertz_stiffness
 
 
 class Hertz(NamedTuple):
@@ -44,16 +26,16 @@ def hertz(youngs_star: float, radius: float, mass: float, speed: float) -> Hertz
     d_max = (5 m v^2 / (4 k))^{2/5} with k = 4/3 E* sqrt(R*), F_max = k d_max^{3/2},
     t_c = 2.94327 d_max / v (Hertz 1882).
     """
-    stiffness = 4.0 / 3.0 * youngs_star * math.sqrt(radius)
-    overlap = (5.0 * mass * speed**2 / (4.0 * stiffness)) ** 0.4
-    return Hertz(stiffness * overlap**1.5, overlap, HERTZ_DURATION * overlap / speed)
+    stiffness = hertz_stiffness(youngs_star, radius)
+    overlap = hertz_overlap(stiffness, mass, speed)
+    return Hertz(stiffness * overlap**1.5, overlap, hertz_duration(stiffness, mass, speed))
 
 
 class Slip(NamedTuple):
     """Impact that slips from its begin to its end.
 
     Velocity of the centre along the plane (m/s), spin in the sense of rolling forward (rad/s),
-    ``total`` reading and friction work (J).
+    ``total`` wear measure and friction work (J).
     """
 
     tangential_velocity: float

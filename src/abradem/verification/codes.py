@@ -1,8 +1,8 @@
 """Part 3: independent codes under the same options, and what explains the rest.
 
-The tables of the other codes were made with `benchmarks/compare_codes.py`: one stone (R 10 mm,
+The tables of the other codes were made with `benchmarks/compare_codes.py`: one particle (R 10 mm,
 rho 2500, E 15 GPa, nu 0.25) on a plane (E 200 GPa, nu 0.3), mu 0.45, 3.9 m/s, nine angles, e 0.5
-and 1, steps of 1e-8 s; and a jet of stones from one release schedule.
+and 1, steps of 1e-8 s; and a jet of particles from one release schedule.
 
 Differences above `ALLOWED` are explained by integrating the impact under the other code's choices.
 """
@@ -16,10 +16,10 @@ import pandas as pd
 
 from abradem.dem.damping import exact_beta, nominal_beta
 from abradem.dem.model import ContactModel
+from abradem.verification.checks import Check, checks_table
 from abradem.verification.experiments import impact_with, poured_with
 from abradem.verification.plain_impact import STEPS, Choices, plain_impact
 from abradem.verification.scenes import NOMINAL_SPEED, Scene
-from abradem.verification.table import Check, checks_table
 
 PART = 3
 ALLOWED = 0.015
@@ -106,7 +106,7 @@ def peer_of(code: str) -> Peer:
 
 
 def scene_of(variant: str, restitution: float = 0.5, rolling: float = 0.0) -> Scene:
-    """The stone and the plane under our options that repeat a variant."""
+    """The particle and the plane under our options that repeat a variant."""
     return replace(Scene(), contact=LAWS[variant]).with_interaction(
         restitution=restitution, rolling_friction=rolling
     )
@@ -134,8 +134,8 @@ def compare(reference: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        As the reference, and by quantity: ours (the engine), plain (integrated anew under our
-        choices), theirs (integrated anew under the other code's choices), reference.
+        As the reference, and by quantity: ours (the engine), plain (integrated again under our
+        choices), theirs (integrated again under the other code's choices), reference.
     """
     rows = []
     for row in reference.to_dict("records"):
@@ -184,7 +184,7 @@ def checks(comparison: pd.DataFrame) -> list[Check]:
         for code, worst in left.items()
     ]  # fmt: skip
     found.append(
-        Check("the same impacts integrated anew under our choices, largest difference from the "
+        Check("the same impacts integrated again under our choices, largest difference from the "
               "engine", anew, INTEGRATION, kind="at most",
               note=f"plain explicit steps, {STEPS} per contact; the engine takes 2000")
     )  # fmt: skip
@@ -244,9 +244,9 @@ def force_checks(forces: pd.DataFrame) -> list[Check]:
     return found
 
 
-# The jet: the same stones for every code.
+# The jet: the same particles for every code.
 
-JET_STONES, JET_RATE, JET_END = 80, 200.0, 0.65
+JET_PARTICLES, JET_RATE, JET_END = 80, 200.0, 0.65
 JET_STEP = 1e-6
 JET_ANGLE = 40.0
 PLATE = 0.3
@@ -254,15 +254,15 @@ _PATCH, _HEIGHT, _JET_SPEED = 0.1, 0.25, 3.0
 
 
 def jet_releases() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times (s), positions (m) and velocities (m/s) of the jet's stones: a Halton sequence."""
-    times = np.round(np.arange(JET_STONES) / JET_RATE / JET_STEP) * JET_STEP
+    """Times (s), positions (m) and velocities (m/s) of the jet's particles: a Halton sequence."""
+    times = np.round(np.arange(JET_PARTICLES) / JET_RATE / JET_STEP) * JET_STEP
     places = np.array(
         [
             (_PATCH * (_halton(i + 1, 2) - 0.5), _HEIGHT, _PATCH * (_halton(i + 1, 3) - 0.5))
-            for i in range(JET_STONES)
+            for i in range(JET_PARTICLES)
         ]
     )
-    return times, places, np.tile([0.0, -_JET_SPEED, 0.0], (JET_STONES, 1))
+    return times, places, np.tile([0.0, -_JET_SPEED, 0.0], (JET_PARTICLES, 1))
 
 
 def _halton(index: int, base: int) -> float:
@@ -291,7 +291,7 @@ def jet_impulse(velocities: np.ndarray) -> tuple[float, float]:
 
     Parameters
     ----------
-    velocities : ndarray, shape (stones, 3)
+    velocities : ndarray, shape (particles, 3)
         At `JET_END`, when all are in flight: momentum at the end less that of the release and
         of gravity is what the plate gave.
     """
@@ -307,7 +307,7 @@ def jet_impulse(velocities: np.ndarray) -> tuple[float, float]:
 def our_jet(code: str, variant: str, nudge: float = 0.0) -> tuple[float, float]:
     """Impulse of our jet on the plate under the options of a code's variant.
 
-    ``nudge`` (m) moves all stones along x: bounces are chaotic, so that it shows how well the
+    ``nudge`` (m) moves all particles along x: bounces are chaotic, so that it shows how well the
     impulse is determined at all.
     """
     scene = scene_of(variant)

@@ -15,9 +15,9 @@ import numpy as np
 import pandas as pd
 
 from abradem.dem.model import Interaction
+from abradem.verification.checks import Check, checks_table
 from abradem.verification.jets import rate_of, run
 from abradem.verification.scenes import Scene, solid
-from abradem.verification.table import Check, checks_table
 
 PART = 7
 ARCHARD_CONSTANT = 1e-11

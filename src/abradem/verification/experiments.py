@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from abradem.elastic import hertz_duration
 from abradem.verification.closed_forms import Hertz, Roll
 from abradem.verification.scenes import Film, Scene, filmed
 
@@ -63,10 +64,10 @@ def hertz_pair(scene: Scene, speed: float, duration: float) -> Hertz:
 
 def _settled(scene: Scene, gravity: float) -> float:
     """Time in which the normal motion of a sphere set on the plane dies away, s."""
-    from abradem.dem.contact import effective_youngs_modulus
+    from abradem.dem.contact import effective_moduli
 
     load = scene.mass * gravity
-    star = effective_youngs_modulus(scene.particle, scene.plate)
+    star = effective_moduli(scene.particle, scene.plate)[0]
     sag = (0.75 * load / (star * math.sqrt(scene.radius))) ** (2.0 / 3.0)
     return 30.0 * math.sqrt(sag / gravity)
 
@@ -151,14 +152,13 @@ def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000,
     ndarray, shape (n, 3)
         Time since the begin (s), normal and tangential force (N) at every step.
     """
-    from abradem.dem.contact import hertz_duration
     from abradem.dem.state import DONE, FLYING, make_problem, make_state
     from abradem.dem.synchronous import advance
 
     angle = math.radians(angle_deg)
     v_n, v_t = speed * math.cos(angle), speed * math.sin(angle)
     probe = make_problem(scene.case(), scene.plane(time_step=1.0))[0]
-    dt = hertz_duration(with_law(probe, **law).plate_law, probe.mass, v_n) / steps
+    dt = hertz_duration(with_law(probe, **law).plate_law.kn, probe.mass, v_n) / steps
     release = ([0.0], [(0.0, scene.radius + 0.5 * v_n * dt, 0.0)], [(v_t, -v_n, 0.0)])
     problem, schedule = make_problem(scene.case(), scene.plane(time_step=dt, gravity=0.0), release)
     problem = with_law(problem, **law)
@@ -191,7 +191,7 @@ def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000,
 
 
 def poured_with(case, setup, releases, **law: float) -> np.ndarray:
-    """Velocities (m/s) at ``setup.duration`` of stones from given releases, all still in flight.
+    """Velocities (m/s) at ``setup.duration`` of particles from given releases, all still in flight.
 
     The constants of all contacts are multiplied as in `with_law`.
     """

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from abradem.dem.model import Interaction
+from abradem.verification.checks import Check, checks_table
 from abradem.verification.jets import JET, jet_case, run
 from abradem.verification.scenes import Film, Scene, solid
-from abradem.verification.table import Check, checks_table
 
 FACETS, BED = 9, 10
 _SIZES = (0.3, 0.1, 0.05, 0.02, 0.01, 0.005)
@@ -21,7 +21,7 @@ HEAP = Scene(
     radius=0.008,
     interaction=Interaction(0.3, 0.5, 0.1),
 )
-"""Soft stones with much friction on a level plate; soft only to make the step long."""
+"""Soft particles with much friction on a level plate; soft only to make the step long."""
 
 REPOSE = (15.0, 40.0)
 """Angles of repose of rough spheres lie between these, degrees (Beakawi & Baghabra 2018)."""
@@ -85,7 +85,7 @@ class _Ledger(Film):
 
 
 def pour() -> tuple[object, _Ledger]:
-    """Pour layers of nine stones on a level plate, then let them rest for a second."""
+    """Pour layers of nine particles on a level plate, then let them rest for a second."""
     pitch = 2.2 * HEAP.radius
     square = [(i * pitch, j * pitch) for i in (-1, 0, 1) for j in (-1, 0, 1)]
     times, places = [], []
@@ -110,15 +110,15 @@ def pour() -> tuple[object, _Ledger]:
 
 
 def profile(ledger: _Ledger) -> pd.DataFrame:
-    """Places of the resting stones: distance from the axis and height over the plate."""
+    """Places of the resting particles: distance from the axis and height over the plate."""
     last = ledger.frames[-1]
     return pd.DataFrame({"x": np.hypot(last["x"], last["z"]), "height": last["y"]})
 
 
-def repose_angle_deg(stones: pd.DataFrame, radius: float) -> float:
-    """Slope of the heap's surface: the highest stones of rings one diameter wide."""
-    ring = (stones["x"] / (2.0 * radius)).astype(int)
-    top = stones.loc[stones.groupby(ring)["height"].idxmax()]
+def repose_angle_deg(particles: pd.DataFrame, radius: float) -> float:
+    """Slope of the heap's surface: the highest particles of rings one diameter wide."""
+    ring = (particles["x"] / (2.0 * radius)).astype(int)
+    top = particles.loc[particles.groupby(ring)["height"].idxmax()]
     top = top[top["height"] > 1.5 * radius]
     return math.degrees(math.atan(-np.polyfit(top["x"], top["height"], 1)[0]))
 
@@ -128,8 +128,8 @@ def bed_checks() -> tuple[list[Check], pd.DataFrame]:
     result, ledger = pour()
     counts = np.array(ledger.counts)
     dissipated = np.array(ledger.dissipated)
-    stones = profile(ledger)
-    angle = repose_angle_deg(stones, HEAP.radius)
+    particles = profile(ledger)
+    angle = repose_angle_deg(particles, HEAP.radius)
     speed = max(float(np.abs(ledger.frames[-1][v]).max()) for v in ("vx", "vy", "vz"))
     gained = max(0.0, -float(np.diff(dissipated).min())) / result.energy["inserted"]
     checks = [
@@ -139,22 +139,22 @@ def bed_checks() -> tuple[list[Check], pd.DataFrame]:
         Check("energy gained between two looks, share of that put in", gained, ROUNDING,
               kind="at most", note="rounding of some million sums"),
         Check("largest speed in the heap at rest", speed, AT_REST, unit="m/s", kind="at most",
-              note="at rest: a thousandth of the speed at which the stones were poured"),
+              note="at rest: a thousandth of the speed at which the particles were poured"),
         Check("angle of repose", angle, 0.5 * sum(REPOSE), 0.5 * (REPOSE[1] - REPOSE[0]), "deg",
-              "absolute", note="plausible for rough spheres; a heap of a few stones' height"),
-        Check("stones resting on the plate", float(counts[-1, 2]), 100.0, kind="at least"),
+              "absolute", note="plausible for rough spheres; a heap of a few particles' height"),
+        Check("particles resting on the plate", float(counts[-1, 2]), 100.0, kind="at least"),
     ]  # fmt: skip
-    return checks, stones
+    return checks, particles
 
 
 def study() -> dict[str, pd.DataFrame]:
     """Return the tables of these parts."""
     facets, sizes = facet_checks()
-    bed, stones = bed_checks()
+    bed, particles = bed_checks()
     return {
         "checks": pd.concat(
             [checks_table(FACETS, facets), checks_table(BED, bed)], ignore_index=True
         ),
         "sizes": sizes,
-        "heap": stones,
+        "heap": particles,
     }

@@ -1,4 +1,4 @@
-"""Jets for the study: one cheap stone jet, and rates with their errors from its record."""
+"""Jets for the study: one cheap particle jet, and rates with their errors from its record."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from abradem.dem.model import Case, Interaction, Setup, SimulationResult
 from abradem.dem.steady import batch_means, steady_start
-from abradem.parameters import READINGS
+from abradem.quantities import WEAR_MEASURES
 from abradem.verification.scenes import Scene, solid
 
 JET = Scene(
@@ -17,7 +17,7 @@ JET = Scene(
     radius=0.02,
     interaction=Interaction(0.5, 0.475, 0.05),
 )
-"""The middle of the sampled ranges, with stones large enough to be few."""
+"""The middle of the sampled ranges, with particles large enough to be few."""
 
 
 class Rate(NamedTuple):
@@ -44,19 +44,19 @@ def run(case: Case, setup: Setup, **options) -> SimulationResult:
     return result
 
 
-def rate_of(result: SimulationResult, reading: str = "total", start: float | None = None) -> Rate:
-    """Steady rate of a reading with its error from batch means.
+def rate_of(result: SimulationResult, measure: str = "total", start: float | None = None) -> Rate:
+    """Steady rate of a wear measure with its error from batch means.
 
     Parameters
     ----------
     result : SimulationResult
-    reading : str
+    measure : str
     start : float, optional
         End of the transient, s; by default that of ``total`` alone (`steady_start`).
     """
     if start is None:
         start = steady_start(result.time, result.worn[:, 0]).time
-    means = batch_means(result.time, result.worn[:, READINGS.index(reading)], start)
+    means = batch_means(result.time, result.worn[:, WEAR_MEASURES.index(measure)], start)
     return Rate(means.rate, means.stderr, start)
 
 

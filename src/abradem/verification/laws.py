@@ -11,6 +11,7 @@ import pandas as pd
 from abradem.dem.damping import exact_beta, nominal_beta
 from abradem.dem.model import ContactModel
 from abradem.verification import closed_forms as exact
+from abradem.verification.checks import Check, checks_table
 from abradem.verification.experiments import (
     STEPS_PER_CONTACT,
     head_on,
@@ -19,7 +20,6 @@ from abradem.verification.experiments import (
     slide_to_roll,
 )
 from abradem.verification.scenes import NOMINAL_SPEED, Scene, filmed, solid
-from abradem.verification.table import Check, checks_table
 
 PART = 1
 SPEED = NOMINAL_SPEED
@@ -156,7 +156,7 @@ def book_checks() -> list[Check]:
 
 
 def similarity_checks() -> list[Check]:
-    """Readings over m v^2 do not depend on speed, size, density or all moduli together."""
+    """Wear measures over m v^2 do not depend on speed, size, density or all moduli together."""
     changes = {
         "speed": (Scene(), 8.0),
         "radius": (Scene(radius=0.04), SPEED),
@@ -196,7 +196,7 @@ def plane_checks() -> list[Check]:
 
 
 def flight_check() -> Check:
-    """A thrown stone against x0 + v t - g t^2 / 2."""
+    """A thrown particle against x0 + v t - g t^2 / 2."""
     scene, time = Scene(), 0.5
     velocity = np.array([3.0, 2.0, -1.0])
     start = np.array([0.0, 5.0, 0.0])
@@ -277,7 +277,7 @@ def angle_sweep() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-READINGS = {"total": "total", "sliding": "sliding", "friction": "friction_work"}
+WEAR_MEASURES = {"total": "total", "sliding": "sliding", "friction": "friction_work"}
 _STEPS = (8, 16, 32, 64, 128, 256)
 _FINE = 32
 """Steps per contact from which the order of convergence is read."""
@@ -287,9 +287,9 @@ _PHASES = 32
 
 
 def convergence() -> pd.DataFrame:
-    """Error of each reading, averaged over the phase of entry, against the steps per contact.
+    """Error of each wear measure, averaged over the phase of entry, against the steps per contact.
 
-    The errors of a reading are shares of its mean over the angles: at steep angles ``sliding``
+    The errors of a wear measure are shares of its mean over the angles: at steep angles ``sliding``
     is next to nothing.
     """
     rows = []
@@ -305,12 +305,12 @@ def convergence() -> pd.DataFrame:
                     scene.impact(SPEED, angle, time_step=duration / steps, phase=phase)
                     for phase in (np.arange(_PHASES) + 0.5) / _PHASES
                 ]
-        for name, attribute in READINGS.items():
+        for name, attribute in WEAR_MEASURES.items():
             scale = np.mean([getattr(one, attribute) for one in best.values()])
             for (angle, steps), impacts in coarse.items():
                 mean = np.mean([getattr(one, attribute) for one in impacts])
                 rows.append(
-                    {"restitution": e, "angle": angle, "reading": name, "steps": steps,
+                    {"restitution": e, "angle": angle, "measure": name, "steps": steps,
                      "error": (mean - getattr(best[angle], attribute)) / scale}
                 )  # fmt: skip
     return pd.DataFrame(rows)
@@ -320,10 +320,10 @@ def orders(convergence: pd.DataFrame) -> pd.DataFrame:
     """Slope of the mean absolute error against the step, both logarithmic, for fine steps."""
     rows = []
     fine = convergence[convergence["steps"] >= _FINE]
-    for reading, part in fine.groupby("reading", sort=False):
+    for measure, part in fine.groupby("measure", sort=False):
         mean = part.assign(error=part["error"].abs()).groupby("steps")["error"].mean()
         slope = -np.polyfit(np.log(mean.index), np.log(mean), 1)[0]
-        rows.append({"reading": reading, "exponent": slope})
+        rows.append({"measure": measure, "exponent": slope})
     return pd.DataFrame(rows)
 
 
@@ -333,7 +333,7 @@ def study() -> dict[str, pd.DataFrame]:
     order = orders(errors)
     checks = fast_checks()
     checks += [
-        Check(f"order of convergence in the step, {row.reading}", row.exponent, 0.8,
+        Check(f"order of convergence in the step, {row.measure}", row.exponent, 0.8,
               kind="at least", note="begin of contact and of slip are met to first order")
         for row in order.itertuples()
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""An impact on a plane integrated anew: nothing of the engine, tiny explicit steps.
+"""An impact on a plane integrated again: nothing of the engine, tiny explicit steps.
 
 It repeats the written law and the choices in which other codes differ from it. What is left of a
 difference once the other code's choices are taken over is not explained by them.
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from abradem.dem.contact import effective_moduli
 from abradem.dem.damping import exact_beta, nominal_beta
 from abradem.verification import closed_forms as exact
 from abradem.verification.scenes import Scene
@@ -77,8 +78,7 @@ def plain_impact(
     model, interaction = scene.contact, scene.interaction
     mass, radius, mu = scene.mass, scene.radius, interaction.static_friction
     inertia = 0.4 * mass * radius**2
-    young = exact.effective_youngs_modulus(scene.particle, scene.plate)
-    shear = exact.effective_shear_modulus(scene.particle, scene.plate)
+    young, shear = effective_moduli(scene.particle, scene.plate)
     contact_radius = choices.wall_radius * radius
     nominal = nominal_beta(interaction.restitution)
     beta_n = exact_beta(interaction.restitution) if model.normal == "exact_e" else nominal

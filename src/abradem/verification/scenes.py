@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from abradem.dem.model import Case, ContactModel, Interaction, Material, Setup
-from abradem.dem.state import FLYING, GONE, make_problem, sphere_mass
+from abradem.dem.state import FLYING, GONE, make_problem
+from abradem.elastic import shear_modulus, sphere_mass
 
 WIDE = 2e3
 """Edge of a plate that stands for a plane, m."""
@@ -19,15 +20,15 @@ NOMINAL_SPEED = 3.9
 
 def solid(youngs_modulus: float, poisson_ratio: float, density: float) -> Material:
     """Material by its Young's modulus (Pa), Poisson ratio (1) and density (kg/m3)."""
-    return Material(youngs_modulus / (2.0 * (1.0 + poisson_ratio)), poisson_ratio, density)
+    return Material(shear_modulus(youngs_modulus, poisson_ratio), poisson_ratio, density)
 
 
-STONE = solid(15e9, 0.25, 2500.0)
+PARTICLE = solid(15e9, 0.25, 2500.0)
 STEEL = solid(200e9, 0.30, 7800.0)
-STONE_RADIUS = 0.01
-"""The impact of the comparison with other codes: a 10 mm stone on steel, mu = 0.45."""
+PARTICLE_RADIUS = 0.01
+"""The impact of the comparison with other codes: a 10 mm particle on steel, mu = 0.45."""
 
-STONE_ON_STEEL = Interaction(0.5, 0.45, 0.0)
+PARTICLE_ON_STEEL = Interaction(0.5, 0.45, 0.0)
 
 
 @dataclass(frozen=True)
@@ -43,10 +44,10 @@ class Scene:
     contact : ContactModel
     """
 
-    particle: Material = STONE
+    particle: Material = PARTICLE
     plate: Material = STEEL
-    radius: float = STONE_RADIUS
-    interaction: Interaction = STONE_ON_STEEL
+    radius: float = PARTICLE_RADIUS
+    interaction: Interaction = PARTICLE_ON_STEEL
     contact: ContactModel = field(default_factory=ContactModel)
 
     @property

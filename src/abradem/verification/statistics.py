@@ -1,4 +1,4 @@
-"""Part 5: is the standard error honest, and does stopping on it bias the mean?
+"""Part 5: is the standard error leakage-free, and does stopping on it bias the mean?
 
 Replicates of cheap jets that differ in the seed only. The truth is the mean of all of a case.
 """
@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from abradem.verification.checks import Check, checks_table
 from abradem.verification.jets import JET, jet_case, rate_of, run, spread
-from abradem.verification.table import Check, checks_table
-from abradem.wear_rate import facet_rates
+from abradem.wear.rates import facet_rates
 
 PART = 5
 REPLICATES = 240
@@ -21,7 +21,7 @@ _FIXED = 10.0
 _BATCHES = 20
 _CASE = {"plate_angle": 30.0, "particle_radius": 0.015}
 _FEW = {"plate_angle": 50.0, "particle_radius": 0.03}
-"""So few stones (6 a batch) that their even spacing in time shows."""
+"""So few particles (6 a batch) that their even spacing in time shows."""
 
 _PLATES, _RADII, _EACH = (25.0, 35.0, 45.0, 55.0), (0.012, 0.015, 0.018), 40
 """Cases of the intervals, and replicates of each."""
@@ -104,10 +104,10 @@ def checks(
         Check("mean of runs ended by the stop rule", mean, truth,
               2.0 * float(np.hypot(mean_error, truth_error)), "W", "absolute",
               note="two standard errors of the difference"),
-        Check("few stones: standard error over the spread between replicates",
+        Check("few particles: standard error over the spread between replicates",
               _size(few["rate_stderr"], few["rate"]), 1.0 - _spread_error(len(few) - 1),
               kind="at least",
-              note="stones are released evenly, batches hold one more or one less: the error is "
+              note="particles are released evenly, batches hold one more or one less: the error is "
                    "an upper bound where a batch holds few"),
     ]  # fmt: skip
 

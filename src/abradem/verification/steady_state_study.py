@@ -1,9 +1,9 @@
 """Part 6: the paper's steady-state study.
 
 The plate angle is varied at a factory angle of 45 deg, and the factory angle at a plate angle of
-45 deg; stones at rest, W = 1e-10 /Pa. The sampled factory angles are -90 to 0, so +45 lies
+45 deg; particles at rest, W = 1e-10 /Pa. The sampled factory angles are -90 to 0, so +45 lies
 outside of them; both signs are done. The patch's tilt does not turn the velocity, it spreads the
-heights of fall: at +45 the stones over the upper half of a plate that rises along +x (positive
+heights of fall: at +45 the particles over the upper half of a plate that rises along +x (positive
 plate angles) start higher, at -45 lower.
 """
 
@@ -15,9 +15,9 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from abradem.verification.checks import Check, checks_table
 from abradem.verification.jets import JET, jet_case, rate_of, run
-from abradem.verification.table import Check, checks_table
-from abradem.wear_rate import straightness
+from abradem.wear.rates import straightness
 
 PART = 6
 ARCHARD_CONSTANT = 1e-10

@@ -1,7 +1,7 @@
-"""Part 4: what the step does to each reading, and the step chosen from it.
+"""Part 4: what the step does to each wear measure, and the step chosen from it.
 
 Single impacts over all phases of entry, three restitutions and the angles 10 to 75 degrees; then
-a dilute jet whose stones are the same at every step.
+a dilute jet whose particles are the same at every step.
 """
 
 from __future__ import annotations
@@ -13,12 +13,11 @@ import numpy as np
 import pandas as pd
 
 from abradem.dem.model import Setup
-from abradem.dem.state import rayleigh_time
-from abradem.parameters import READINGS
+from abradem.quantities import WEAR_MEASURES
+from abradem.verification.checks import Check, checks_table
 from abradem.verification.jets import JET, jet_case, run, spread
-from abradem.verification.laws import READINGS as ATTRIBUTES
+from abradem.verification.laws import WEAR_MEASURES as ATTRIBUTES
 from abradem.verification.scenes import NOMINAL_SPEED, Scene
-from abradem.verification.table import Check, checks_table
 
 PART = 4
 PAPERS, CHOSEN = 0.2, Setup().time_step_fraction
@@ -40,18 +39,18 @@ _FINE = 0.0125
 
 
 def single_impacts() -> pd.DataFrame:
-    """Bias of each reading at each step, averaged over the phase of entry.
+    """Bias of each wear measure at each step, averaged over the phase of entry.
 
     Returns
     -------
     pandas.DataFrame
-        speed, restitution, angle, reading, fraction, steps_per_contact, ours (mean over the
+        speed, restitution, angle, wear measure, fraction, steps_per_contact, ours (mean over the
         phases), exact (converged), bias.
     """
     rows = []
     for speed, e, angle in itertools.product(SPEEDS, RESTITUTIONS, ANGLES):
         scene = Scene().with_interaction(restitution=e)
-        whole = rayleigh_time(scene.radius, scene.particle)
+        whole = scene.particle.rayleigh_time(scene.radius)
         probe = scene.impact(speed, angle)
         duration = probe.time_step * 500
         best = scene.impact(speed, angle, time_step=duration / _CONVERGED)
@@ -62,7 +61,7 @@ def single_impacts() -> pd.DataFrame:
                 mean = float(np.mean([getattr(one, attribute) for one in coarse]))
                 exact = getattr(best, attribute)
                 rows.append(
-                    {"speed": speed, "restitution": e, "angle": angle, "reading": name,
+                    {"speed": speed, "restitution": e, "angle": angle, "measure": name,
                      "fraction": fraction, "steps_per_contact": duration / dt, "ours": mean,
                      "exact": exact, "bias": mean / exact - 1.0 if exact else np.nan}
                 )  # fmt: skip
@@ -70,20 +69,20 @@ def single_impacts() -> pd.DataFrame:
 
 
 def mean_bias(impacts: pd.DataFrame) -> pd.DataFrame:
-    """Bias of the readings summed over the angles, by speed, restitution, reading, fraction."""
-    keys = ["speed", "restitution", "reading", "fraction"]
+    """Bias of the wear measures summed over the angles, by speed, restitution, wear measure, fraction."""
+    keys = ["speed", "restitution", "measure", "fraction"]
     frame = impacts.groupby(keys, sort=False)[["ours", "exact"]].sum().reset_index()
     frame["bias"] = frame["ours"] / frame["exact"] - 1.0
     return frame.drop(columns=["ours", "exact"])
 
 
 def jets(replicates: int = 16, duration: float = 40.0) -> pd.DataFrame:
-    """Bias of a dilute jet's rates at each step against a fine one; the same stones in all.
+    """Bias of a dilute jet's rates at each step against a fine one; the same particles in all.
 
     Returns
     -------
     pandas.DataFrame
-        plate_angle (nan: of the rates summed over the angles), reading, fraction, bias,
+        plate_angle (nan: of the rates summed over the angles), wear measure, fraction, bias,
         bias_stderr (over replicates).
     """
     worn = {}
@@ -103,17 +102,17 @@ def jets(replicates: int = 16, duration: float = 40.0) -> pd.DataFrame:
                 for step in (fraction, _FINE)
             )
             biases = coarse / fine - 1.0
-            for reading, values in zip(READINGS, biases.T, strict=True):
+            for measure, values in zip(WEAR_MEASURES, biases.T, strict=True):
                 mean, error = spread(values)
                 rows.append(
                     {"plate_angle": angles[0] if len(angles) == 1 else np.nan,
-                     "reading": reading, "fraction": fraction, "bias": mean, "bias_stderr": error}
+                     "measure": measure, "fraction": fraction, "bias": mean, "bias_stderr": error}
                 )  # fmt: skip
     return pd.DataFrame(rows)
 
 
 def _worn_at(time: float, case, setup) -> np.ndarray:
-    """Cumulative wear by reading at a time, whatever the whole steps of the samples are."""
+    """Cumulative wear by wear measure at a time, whatever the whole steps of the samples are."""
     result = run(case, setup)
     return np.array([np.interp(time, result.time, column) for column in result.worn.T])
 
@@ -122,7 +121,7 @@ STATED = {
     ("total", 0.2): 0.013, ("sliding", 0.2): 0.026, ("friction", 0.2): 0.001,
     ("total", 0.15): 0.008, ("sliding", 0.15): 0.010, ("friction", 0.15): 0.000,
 }  # fmt: skip
-"""Largest bias over speeds and restitutions, by reading and step, as docs/method.md states it."""
+"""Largest bias over speeds and restitutions, by wear measure and step, as docs/method.md states it."""
 
 STATED_JET = {
     ("total", 0.2): -0.017, ("sliding", 0.2): 0.021, ("friction", 0.2): 0.008,
@@ -139,34 +138,34 @@ def checks(mean: pd.DataFrame, jet: pd.DataFrame) -> list[Check]:
     """The default step keeps ``total`` within 1 %; the biases that are stated are those found."""
     found = []
     for row in mean.itertuples():
-        if row.fraction == CHOSEN and row.reading == "total":
+        if row.fraction == CHOSEN and row.measure == "total":
             found.append(
                 Check(f"default step, {CHOSEN:g} Rayleigh: bias of total over angles, "
                       f"e = {row.restitution:g}, {row.speed:g} m/s", row.bias, 0.0, LARGEST_BIAS,
                       kind="absolute", note="the default step: at most 1 %")
             )  # fmt: skip
     for row in jet.itertuples():
-        if row.fraction == CHOSEN and row.reading == "total":
+        if row.fraction == CHOSEN and row.measure == "total":
             where = "over plate angles" if np.isnan(row.plate_angle) else f"{row.plate_angle:g} deg"
             found.append(
                 Check(f"default step, {CHOSEN:g} Rayleigh: bias of total, jet, {where}", row.bias,
                       0.0, LARGEST_BIAS + 2.0 * row.bias_stderr, kind="absolute",
                       note="jets: two standard errors more")
             )  # fmt: skip
-    for (reading, fraction), stated in STATED.items():
-        part = mean[(mean["reading"] == reading) & np.isclose(mean["fraction"], fraction)]
+    for (measure, fraction), stated in STATED.items():
+        part = mean[(mean["measure"] == measure) & np.isclose(mean["fraction"], fraction)]
         found.append(
-            Check(f"stated bias of {reading} at {fraction:g} Rayleigh: largest over e and speed",
+            Check(f"stated bias of {measure} at {fraction:g} Rayleigh: largest over e and speed",
                   part["bias"].abs().max(), stated, _ROUNDED, kind="absolute",
                   note="stated biases: the reference is docs/method.md, the tolerance its rounding")
         )  # fmt: skip
-    for (reading, fraction), stated in STATED_JET.items():
+    for (measure, fraction), stated in STATED_JET.items():
         row = jet[
-            (jet["reading"] == reading) & np.isclose(jet["fraction"], fraction)
+            (jet["measure"] == measure) & np.isclose(jet["fraction"], fraction)
             & (jet["plate_angle"] == WORST_PLATE)
         ].iloc[0]  # fmt: skip
         found.append(
-            Check(f"stated bias of {reading} at {fraction:g} Rayleigh: jet, {WORST_PLATE:g} deg",
+            Check(f"stated bias of {measure} at {fraction:g} Rayleigh: jet, {WORST_PLATE:g} deg",
                   row["bias"], stated, _ROUNDED + 2.0 * row["bias_stderr"], kind="absolute",
                   note="jets: two standard errors more")
         )  # fmt: skip

@@ -2,7 +2,7 @@
 
 Per unit mass wear grows as the square of the speed (gravity off: the speed of impact is that of
 release; with a height of fall H, v^2 + 2 g H; the plate is small, so that first impacts are
-nearly all); it does not depend on the mass of a stone at a
+nearly all); it does not depend on the mass of a particle at a
 fixed mass rate and is proportional to it at a fixed number rate; scaling all moduli changes
 nothing. Replicates differ in the seed; an exponent is fitted to each.
 """
@@ -15,9 +15,9 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from abradem.verification.checks import Check, checks_table
 from abradem.verification.jets import JET, run, spread
 from abradem.verification.scenes import solid
-from abradem.verification.table import Check, checks_table
 from abradem.verification.time_step import LARGEST_BIAS
 
 PART = 8
@@ -27,7 +27,7 @@ _DURATION = 20.0
 _PLATE_ANGLE = 55.0
 _GRAVITY = 9.81
 _HEIGHT = 0.25 - JET.radius / math.cos(math.radians(_PLATE_ANGLE))
-"""Mean height of fall: the centre of a stone that touches is R / cos phi above the plate, m."""
+"""Mean height of fall: the centre of a particle that touches is R / cos phi above the plate, m."""
 
 
 def _setup(**changes):
@@ -97,7 +97,7 @@ def measurements() -> pd.DataFrame:
 
 
 def jet_mass(factor: float) -> float:
-    """Mass of a stone of the density series, kg."""
+    """Mass of a particle of the density series, kg."""
     return _denser(factor).mass
 
 

@@ -1,0 +1,223 @@
+"""The command line: predict a wear rate, repeat one case of a study, check a configuration.
+
+Whatever is wrong ends as one line for each problem on stderr, and exit code 2.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import abradem
+from abradem.cli.predict import add_parser as add_predict
+
+WRONG_INPUT = 2
+"""Exit code where what was given is wrong."""
+
+NOT_OK = 1
+"""Exit code where a case was simulated but did not end well."""
+
+
+class InputError(ValueError):
+    """Wrong input; the text is one line."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return options.run(options)
+    except Exception as error:
+        if not _is_of_the_user(error):
+            raise
+        print(error, file=sys.stderr)
+        return WRONG_INPUT
+
+
+def _is_of_the_user(error: Exception) -> bool:
+    """Tell an explained error, or one of the file system, from a bug."""
+    explained = ("InputError", "ConfigError", "TableError", "PredictionError")
+    return isinstance(error, OSError) or type(error).__name__ in explained
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str):
+        # One line; the usage is a --help away.
+        self.exit(WRONG_INPUT, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="abradem", description=abradem.__doc__.splitlines()[0])
+    parser.add_argument("--version", action="version", version=f"abradem {abradem.__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="command")
+
+    simulate = commands.add_parser(
+        "simulate",
+        help="repeat one case of a study, bit for bit",
+        description="Repeat one case of a study, bit for bit.",
+    )
+    simulate.add_argument(
+        "--study", required=True, type=Path, metavar="FOLDER", help="such as results/paper"
+    )
+    simulate.add_argument("--case", required=True, type=int, metavar="N", help="its number")
+    simulate.add_argument(
+        "--series", type=Path, metavar="FILE", help="write the worn volume over time (Parquet)"
+    )
+    simulate.add_argument(
+        "--snapshots",
+        type=Path,
+        metavar="FOLDER",
+        help="write particles, contacts and wear at intervals (three Parquet files)",
+    )
+    simulate.add_argument(
+        "--interval",
+        type=_positive,
+        metavar="S",
+        help="simulated seconds between snapshots; that of the study if not given",
+    )
+    simulate.set_defaults(run=_simulate)
+
+    add_predict(commands)
+
+    config = commands.add_parser(
+        "config",
+        help="check a configuration and say what it would run",
+        description="Check a configuration and say what it would run.",
+    )
+    what = config.add_mutually_exclusive_group(required=True)
+    what.add_argument(
+        "--check",
+        nargs="+",
+        type=Path,
+        metavar="FILE",
+        help="files, each merged over those before it: config.yaml studies/smoke.yaml",
+    )
+    what.add_argument(
+        "--folder",
+        nargs="+",
+        type=Path,
+        metavar="FILE",
+        help="check them and print the folder of the results instead",
+    )
+    config.set_defaults(run=_check_config)
+    return parser
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (value > 0.0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"{text!r} is no positive number")
+    return value
+
+
+def _check_config(options: argparse.Namespace) -> int:
+    from abradem.config import read_config
+    from abradem.running.effort import estimate
+
+    config = read_config(*(options.check or options.folder))
+    if config.dataset.external is not None:
+        from abradem.dataset.external import read_external
+
+        read_external(config.dataset.external, config.dataset.columns)
+    print(estimate(config) if options.check else f"results/{config.study}")
+    return 0
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    from abradem.config import read_config, setup_dict
+    from abradem.simulation.batch import run_case
+
+    if options.interval is not None and options.snapshots is None:
+        raise InputError("--interval needs --snapshots FOLDER")
+    config = read_config(_existing(options.study) / "config.yaml")
+    setup = setup_dict(config)
+    row = find_case(options.study, options.case)
+
+    tables = run_case(row, setup)
+    if options.series:
+        from abradem.store.tables import write_table
+
+        write_table(tables["series"], options.series)
+    if options.snapshots and not row["rejected"]:
+        from abradem.dem.model import Case, Setup
+        from abradem.simulation.snapshots import write_snapshots
+
+        interval = options.interval or config.simulation.export.interval_s
+        write_snapshots(Case.from_row(row), Setup.from_dict(setup), options.snapshots, interval)
+
+    run = tables["runs"].iloc[0]
+    print(f"case {options.case}: {run['status']}, {run['simulated_time']:g} s simulated")
+    if run["status"] != "ok":
+        return NOT_OK
+    print(_wear_line(tables, row, setup, config.wear_rate))
+    return 0
+
+
+def find_case(study: Path, case: int) -> dict:
+    """Return the row of a case in ``cases/block-*.parquet`` of a study's results.
+
+    Parameters
+    ----------
+    study : path
+        Folder of the results.
+    case : int
+        The case's number.
+    """
+    from abradem.store.tables import read_table
+
+    folder = study / "cases"
+    files = {
+        int(found.group(1)): path
+        for path in folder.glob("block-*.parquet")
+        if (found := re.fullmatch(r"block-(\d+)\.parquet", path.name))
+    }
+    if not files:
+        raise InputError(f"{folder}: holds no block-*.parquet; run the study's sampling first")
+    most = -1
+    for _, path in sorted(files.items()):
+        cases = read_table(path)
+        rows = cases[cases["case_id"] == case]
+        if len(rows):
+            return rows.iloc[0].to_dict()
+        most = max(most, int(cases["case_id"].max()))
+    raise InputError(f"{folder}: there is no case {case} (allowed 0 ... {most})")
+
+
+def _existing(folder: Path) -> Path:
+    if not folder.is_dir():
+        raise InputError(f"{folder}: there is no such folder; give one such as results/paper")
+    return folder
+
+
+def _wear_line(tables: dict, row: dict, setup: dict, options) -> str:
+    """Say the headline wear rate of a case that was simulated."""
+    import pandas as pd
+
+    from abradem.dem.model import Setup
+    from abradem.wear.rates import wear_rates
+
+    rates = wear_rates(
+        tables["series"],
+        tables["maps"],
+        tables["runs"],
+        pd.DataFrame([row]),
+        Setup.from_dict(setup),
+        options.min_batches,
+        options.footprint_share,
+    ).iloc[0]
+    mean, error = rates["wear_total_mean"], rates["wear_total_mean_stderr"]
+    return (
+        f"wear depth rate {mean:.6g} mm/s, standard error {error:.2g} mm/s "
+        f"(total, mean over the plate), quality {rates['quality']}"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

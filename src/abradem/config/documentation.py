@@ -1,0 +1,92 @@
+"""Schema and documentation, made from the declaration: python -m abradem.config --write."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic.fields import FieldInfo
+
+from abradem.config.declaration import Config, Section, number_text
+from abradem.config.explaining import allowed_text, section_class
+from abradem.config.keys import Key, dotted, show
+
+SCHEMA_FILE = "workflow/schemas/config.schema.json"
+DOCUMENTATION_FILE = "docs/config.md"
+
+
+def schema() -> dict:
+    """Return the JSON schema (draft 2020-12) of the configuration."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **Config.model_json_schema(),
+    }
+
+
+def documentation() -> str:
+    """Return the reference of all keys as Markdown."""
+    lines = [
+        "# Configuration",
+        "",
+        "Generated from `src/abradem/config/` by `python -m abradem.config --write`.",
+        "",
+        "`config.yaml` is the paper's study. Another study is a override file on it, such as",
+        "`studies/smoke.yaml`: it holds only the keys that differ. A key that stands nowhere takes",
+        "the default below. Values are in SI units unless the key names another unit.",
+        "",
+        *_document_section(Config, ()),
+    ]
+    return "\n".join(lines)
+
+
+def _document_section(section: type[Section], above: Key) -> list[str]:
+    lines = []
+    if above:
+        doc = " ".join((section.__doc__ or "").split())
+        lines += [f"## {dotted(above)}", "", doc, ""]
+    values = [
+        (name, field)
+        for name, field in section.model_fields.items()
+        if section_class(field.annotation) is None or field.default is None
+    ]
+    if values:
+        lines += ["| key | default | allowed | meaning |", "| --- | --- | --- | --- |"]
+        for name, field in values:
+            default = "required" if field.is_required() else f"`{_default(field)}`"
+            lines.append(f"| `{name}` | {default} | {allowed_text(field)} | {field.description} |")
+        lines.append("")
+    for name, field in section.model_fields.items():
+        inner = section_class(field.annotation)
+        if inner is not None:
+            lines += _document_section(inner, (*above, name))
+    return lines
+
+
+def _default(field: FieldInfo) -> str:
+    if isinstance(field.default, tuple):
+        return f"[{number_text(field.default[0])}, {number_text(field.default[1])}]"
+    if isinstance(field.default, float):
+        return number_text(field.default)
+    return field.default if isinstance(field.default, str) else show(field.default)
+
+
+def generated(root: Path) -> dict[Path, str]:
+    """Return the files made from the declaration, with their text."""
+    return {
+        root / SCHEMA_FILE: json.dumps(schema(), indent=2) + "\n",
+        root / DOCUMENTATION_FILE: documentation(),
+    }
+
+
+def main(arguments: Sequence[str]) -> int:
+    if list(arguments) != ["--write"]:
+        print(f"usage: python -m abradem.config --write  ({SCHEMA_FILE}, {DOCUMENTATION_FILE})")
+        return 2
+    for path, text in generated(Path.cwd()).items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary = path.with_name(path.name + ".part")
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, path)
+    return 0

@@ -1,0 +1,86 @@
+"""The gallery page of the documentation: every figure of a study at small size.
+
+``python -m abradem.figures.gallery_page results/paper`` writes docs/gallery.md and its images from the
+study's figures; an image whose figure the study lacks stays as it is.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+from abradem.figures.catalogue import FIGURES, groups
+from abradem.store.files import replacing, write_text
+
+WIDTH = 760
+"""Of the images, pixels."""
+
+COLOURS = 128
+"""Of the images: enough for charts, and a third of the bytes."""
+
+
+def shrink(source: Path, target: Path) -> None:
+    """Write a picture at the page's width with few colours."""
+    with Image.open(source) as picture:
+        height = round(picture.height * min(1.0, WIDTH / picture.width))
+        width = min(WIDTH, picture.width)
+        small = picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+    with replacing(target) as sink:
+        small.quantize(COLOURS, dither=Image.Dither.NONE).save(sink, format="png", optimize=True)
+
+
+def page(names: set[str]) -> str:
+    """Markdown of the gallery.
+
+    Parameters
+    ----------
+    names : set of str
+        Figures that there are images of; the others are left out.
+    """
+    lines = [
+        "# Gallery",
+        "",
+        "The figures of a study, at small size; `results/<study>/figures/` holds each as PDF and",
+        "PNG at the width of a journal's column or page. `make run` makes all of them, those of",
+        "verification and speed where `make verify` and `benchmarks/cost.py` were run before.",
+        "`snakemake movie` makes the film whose last picture is at the end (some minutes, with",
+        "`pip install -e '.[movie]'`), `snakemake vtk` files for ParaView, and `snakemake paper`",
+        "typesets `paper/main.tex`, which shows how a text includes figures, tables and numbers.",
+        "",
+    ]
+    for group, figures in groups().items():
+        shown = {name: entry for name, entry in figures.items() if name in names}
+        if shown:
+            lines += [f"## {group}", ""]
+        for name, entry in shown.items():
+            lines += [entry.full_caption.replace("``", "`"), ""]
+            lines += [f"![{entry.label}](images/{name}.png)", ""]
+    if FILM in names:
+        lines += ["## Film", "", "Wear of plates at three angles, one scale:", ""]
+        lines += [f"![Wear of plates at three angles](images/{FILM}.png)", ""]
+    return "\n".join(lines)
+
+
+FILM = "film"
+
+
+def main(arguments: list[str], root: Path = Path(".")) -> int:
+    """Write the page and its images from the study's folder that the arguments name."""
+    if len(arguments) != 1 or not Path(arguments[0], "figures").is_dir():
+        print("usage: python -m abradem.figures.gallery_page results/<study>", file=sys.stderr)
+        return 2
+    study, images = Path(arguments[0]), root / "docs" / "images"
+    wanted = {name: study / "figures" / f"{name}.png" for name in FIGURES}
+    wanted[FILM] = study / "movie" / "wear.png"
+    for name, path in wanted.items():
+        if path.is_file():
+            shrink(path, images / f"{name}.png")
+    names = {name for name in wanted if (images / f"{name}.png").is_file()}
+    write_text(page(names), root / "docs" / "gallery.md")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

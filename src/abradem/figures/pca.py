@@ -1,0 +1,178 @@
+"""Principal components: correlations of the quantities, loadings, variances, regression."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from abradem.figures import style
+from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
+from abradem.quantities import quantity
+from abradem.words.labels import LABELS, PROTOCOLS, feature_label
+
+DIVERGING = "RdBu_r"
+SPLIT_AT = 10
+"""Heat maps show X1 to X10, and X11 to X21."""
+LOWEST = -1.0
+"""R2 below this runs out of the panel."""
+
+
+def draw_correlations(correlations: pd.DataFrame, model: Mapping) -> Figure:
+    """`correlations_figure` of the rows that the model of all components was trained on."""
+    return correlations_figure(correlations, model["training_rows"])
+
+
+def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
+    """Correlations among X1 to X10 and among X11 to X21 (the wear).
+
+    Parameters
+    ----------
+    correlations : pandas.DataFrame
+        From `abradem.learning.baselines.pca.fit_pca`.
+    rows : int
+        Rows of the table.
+    """
+    names = list(dict.fromkeys(correlations["feature"]))
+    grid = correlations.pivot(index="feature", columns="other", values="correlation")
+    with style.style():
+        figure, axes = style.panels(2, 2, 2.95)
+        for index, part in enumerate((names[:SPLIT_AT], names[SPLIT_AT:])):
+            panel = axes[index]
+            values = grid.loc[part, part].to_numpy()
+            mesh = panel.imshow(values, cmap=DIVERGING, vmin=-1.0, vmax=1.0)
+            for (i, j), value in np.ndenumerate(values):
+                if np.isfinite(value):
+                    shown = _short(value)
+                    panel.text(
+                        j, i, shown, ha="center", va="center", fontsize=6.5,
+                        color="white" if abs(value) > 0.6 else "black",
+                    )  # fmt: skip
+            _name_axes(panel, part)
+            first, last = quantity(part[0]).symbol, quantity(part[-1]).symbol
+            panel.set_title(f"{style.letter(index)} {first} to {last}", loc="left")
+        bar = figure.colorbar(mesh, ax=axes, shrink=0.8, pad=0.02)
+        bar.set_label("Pearson correlation")
+        bar.outline.set_linewidth(0.6)
+        style.caption(
+            figure,
+            f"all {rows} rows: a description, the same under both protocols; X21: wear depth rate",
+        )
+    return figure
+
+
+def _short(value: float) -> str:
+    """A correlation in the little room of a cell: two decimals, no leading zero."""
+    text = style.minus(f"{round(value, 2) + 0.0:.2f}")
+    return text if text[-4] == "1" else text.replace("0.", ".", 1)
+
+
+def _name_axes(panel, names) -> None:
+    places = range(len(names))
+    panel.set_xticks(places, [f"${LABELS[n].tex}$" for n in names], fontsize=6.5)
+    panel.set_yticks(places, [feature_label(name) for name in names], fontsize=6.5)
+    panel.tick_params(length=0)
+
+
+def loadings_figure(loadings: pd.DataFrame, scree: pd.DataFrame, summary: dict) -> Figure:
+    """Loadings and variances of the components, both scalings.
+
+    Parameters
+    ----------
+    loadings, scree : pandas.DataFrame
+    summary : dict
+        From `abradem.learning.baselines.pca.fit_pca`.
+    """
+    protocols = [name for name in (AS_PUBLISHED, LEAKAGE_FREE) if name in set(scree["protocol"])]
+    with style.style():
+        figure, axes = style.panels(4, 2, 3.0)
+        for index, protocol in enumerate(protocols):
+            _scree_panel(axes[index], index, scree[scree["protocol"] == protocol], protocol)
+        for index, protocol in enumerate(protocols, start=2):
+            rows = loadings[loadings["protocol"] == protocol]
+            grid = rows.pivot(index="feature", columns="component", values="loading")
+            names = list(dict.fromkeys(rows["feature"]))
+            panel = axes[index]
+            mesh = panel.imshow(
+                grid.loc[names].to_numpy(), cmap=DIVERGING, vmin=-1.0, vmax=1.0, aspect="auto"
+            )
+            panel.set_xticks(range(0, grid.shape[1]), grid.columns, fontsize=6.5)
+            panel.set_yticks(
+                range(len(names)), [feature_label(name) for name in names], fontsize=6.5
+            )
+            panel.tick_params(length=0)
+            panel.set_xlabel("Component")
+            panel.set_title(
+                f"{style.letter(index)} loadings, {PROTOCOLS[protocol]}", loc="left", fontsize=7.0
+            )
+        bar = figure.colorbar(mesh, ax=axes[2:], shrink=0.9, pad=0.02)
+        bar.set_label("Loading")
+        bar.outline.set_linewidth(0.6)
+        words = "; ".join(f"{PROTOCOLS[name]}: {summary['stiffness'][name]}" for name in protocols)
+        style.caption(
+            figure,
+            "all rows, no target involved; as published: features scaled to 0...1, leakage-free: "
+            f"standardised. Stiffnesses, {words} (each feature with the component it correlates "
+            "most with, at least 0.6)",
+        )
+    return figure
+
+
+def _scree_panel(panel, index, rows, protocol) -> None:
+    panel.bar(rows["component"], rows["share"], color=style.PROTOCOL_COLOURS[protocol], width=0.7)
+    panel.plot(rows["component"], rows["cumulative"], "o-", color=style.BLACK, ms=2.5, lw=0.9)
+    panel.set_ylim(0.0, 1.05)
+    panel.set_xlim(0.3, len(rows) + 0.7)
+    panel.set_xticks(rows["component"])
+    panel.tick_params(axis="x", labelsize=6.5)
+    panel.set_xlabel("Component")
+    panel.set_ylabel("Share of the variance")
+    panel.set_title(
+        f"{style.letter(index)} variances (line: cumulative), {PROTOCOLS[protocol]}",
+        loc="left",
+        fontsize=7.0,
+    )
+
+
+def components_curve_figure(curve: pd.DataFrame) -> Figure:
+    """R2 on held-out rows against the number of components: right and wrong target, leakage-free.
+
+    Parameters
+    ----------
+    curve : pandas.DataFrame
+        From `abradem.learning.baselines.pca.fit_pca`.
+    """
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 2.6, style.COLUMN)
+        for protocol, explained, colour, line, words in (
+            (AS_PUBLISHED, "last component", style.ORANGE, "s-",
+             "as published, wrong target (last component)"),
+            (AS_PUBLISHED, "wear", style.PROTOCOL_COLOURS[AS_PUBLISHED], "o-", "as published, wear"),
+            (LEAKAGE_FREE, "wear", style.PROTOCOL_COLOURS[LEAKAGE_FREE], "^-", "leakage-free, wear"),
+        ):  # fmt: skip
+            rows = curve[(curve["protocol"] == protocol) & (curve["explained"] == explained)]
+            panel.plot(rows["components"], rows["r2"], line, color=colour, ms=2.5, label=words)
+            if rows["r2_lower"].notna().any():
+                panel.fill_between(
+                    rows["components"], rows["r2_lower"], rows["r2_upper"], color=colour,
+                    alpha=0.18, lw=0,
+                )  # fmt: skip
+        panel.axhline(0.0, color=style.BLACK, lw=0.5)
+        values = pd.concat([curve["r2"], curve["r2_lower"]])
+        low = float(values.min())
+        panel.set_ylim(max(min(low, 0.0) - 0.05, LOWEST), 1.0)
+        panel.set_xlim(0.5, curve["components"].max() + 0.5)
+        panel.xaxis.set_major_locator(MaxNLocator(integer=True))
+        panel.set_xlabel("Number of components")
+        panel.set_ylabel("$R^2$ on held-out rows")
+        figure.legend(loc="outside upper left")
+        style.caption(
+            figure,
+            "as published: one split, scalers and components of all rows; leakage-free: median of the "
+            "repeated splits, band: their central share"
+            + ("; values below \N{MINUS SIGN}1 run out of the panel" if low < LOWEST else ""),
+        )
+    return figure

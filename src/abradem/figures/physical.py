@@ -1,0 +1,287 @@
+"""The models of the wear number on one page: how good, how sure, from how many cases, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from abradem.figures import style
+from abradem.learning.protocols import LEAKAGE_FREE
+from abradem.words.labels import GROUP_LABELS, LABELS, MODELS, Label
+
+SHOWN_OTHERS = ("linear", "ridge", "tree", "forest", "ga_ann")
+LEAST = 1e-4
+"""Unexplained share at which axes end."""
+
+MOST_INDICES = 8
+
+
+def models_figure(
+    comparison: pd.DataFrame,
+    calibration: pd.DataFrame,
+    curve: pd.DataFrame,
+    indices: pd.DataFrame,
+    exponents: pd.DataFrame,
+    noise: Mapping | None,
+    table: str,
+) -> Figure:
+    """Comparison, calibration, learning curve, sensitivity and power law.
+
+    Parameters
+    ----------
+    comparison : pandas.DataFrame
+        From `abradem.learning.comparison.compare`, all models.
+    calibration : pandas.DataFrame
+        From `abradem.learning.physical.intervals.calibrate`.
+    curve : pandas.DataFrame
+        From `abradem.learning.physical.reach.learning_curve`.
+    indices : pandas.DataFrame
+        From `abradem.learning.physical.sensitivity.sobol`.
+    exponents : pandas.DataFrame
+        From `abradem.learning.physical.power_law.PowerLaw.exponents`.
+    noise : mapping or None
+        From `abradem.learning.physical.noise_floor.noise_floor`; None without simulations.
+    table : str
+        Name of the table learned from.
+    """
+    with style.style():
+        figure = style.new_figure(style.PAGE, 7.6)
+        grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 0.92))
+        places = [grid[0, 0], grid[0, 1], grid[1, 0], grid[1, 1], grid[2, :]]
+        panels = [figure.add_subplot(place) for place in places]
+        _comparison(panels[0], comparison, noise)
+        _calibration(panels[1], calibration)
+        _curve(panels[2], curve, noise)
+        _indices(panels[3], indices)
+        _exponents(panels[4], exponents)
+        rows = int(calibration["tested"].iloc[0])
+        words = (
+            f"table: {table}. (a) test rows of repeated splits, leakage-free protocol: median, central "
+            "95 % of the splits (surrogate: the first of them). "
+        )
+        if noise is not None:
+            words += (
+                f"Noise floor: {noise['cases']} cases, {noise['replicates']} simulations with "
+                "other seeds; band of 95 %. "
+            )
+        words += (
+            f"(b) every one of {rows} rows held out once; grey: binomial band of 95 %. (c) median "
+            "over splits and central 95 %. (d) Gaussian process over the ranges of the table, "
+            "bootstrap intervals of 95 %. (e) dot: exponent of a quantity, from the groups' "
+            "exponents; bar: 95 %, HC3"
+        )
+        style.caption(figure, words)
+    return figure
+
+
+def _unexplained_axis(axis, low: float, high: float) -> None:
+    """Ticks of a logarithmic axis of 1 - R2, labelled with R2."""
+    ticks = [0.5, 0.1, 0.01, 0.001, 0.0001]
+    kept = [tick for tick in ticks if low <= tick <= high]
+    axis.set_ticks(kept, [f"{1.0 - tick:.4g}" for tick in kept])
+    axis.set_ticks([], minor=True)
+
+
+def _comparison(panel: Axes, comparison: pd.DataFrame, noise: Mapping | None) -> None:
+    leakage_free = comparison[comparison["protocol"] == LEAKAGE_FREE].drop_duplicates("model")
+    leakage_free = leakage_free.set_index("model")
+    names = [*(name for name in SHOWN_OTHERS if name in leakage_free.index),
+             *(name for name in style.MODEL_COLOURS if name in leakage_free.index)]  # fmt: skip
+    shown = []
+    for place, name in enumerate(names):
+        row = leakage_free.loc[name]
+        ends = 1.0 - np.array([row["r2_upper"], row["r2_lower"]], dtype=float)
+        middle = 1.0 - float(row["r2"])
+        colour = style.MODEL_COLOURS.get(name, style.GREY)
+        panel.plot(np.clip(ends, LEAST, 1.0), [place, place], color=colour, lw=1.4)
+        panel.plot(np.clip(middle, LEAST, 1.0), place, "o", ms=4.0, color=colour)
+        panel.annotate(
+            f"{1.0 - middle:.4f}" if middle < 0.1 else f"{1.0 - middle:.2f}",
+            (np.clip(ends.min(), LEAST, 1.0), place), xytext=(4.0, 0.0),
+            textcoords="offset points",
+            fontsize=6.5, ha="left", va="center", color=colour,
+        )  # fmt: skip
+        shown += [middle, *ends]
+    if noise is not None and np.isfinite(noise["r2_floor"] or np.nan):
+        low, high = (1.0 - value for value in noise["r2_floor_band"])
+        panel.axvspan(max(high, LEAST / 2), max(low, LEAST / 2), color=style.LIGHT_GREY, zorder=0)
+        panel.axvline(1.0 - noise["r2_floor"], color=style.BLACK, lw=0.8, ls="--", zorder=0)
+        panel.text(
+            1.0 - noise["r2_floor"], -0.55, "noise floor ", fontsize=6.5, ha="right",
+            va="center", rotation=0,
+        )  # fmt: skip
+        shown.append(1.0 - noise["r2_floor"])
+    finite = [value for value in shown if np.isfinite(value)]
+    low = max(0.6 * min(finite, default=LEAST), LEAST / 2)
+    panel.set_xscale("log")
+    panel.set_xlim(1.05, low)
+    _unexplained_axis(panel.xaxis, low, 1.0)
+    panel.set_yticks(range(len(names)), [MODELS.get(name, name) for name in names])
+    panel.tick_params(axis="y", length=0)
+    panel.set_ylim(len(names) - 0.1, -0.8)
+    panel.grid(axis="x", color=style.LIGHT_GREY, lw=0.5)
+    panel.set_axisbelow(True)
+    panel.set_xlabel("$R^2$ on held-out rows (scale of $1 - R^2$)")
+    panel.set_title(f"{style.letter(0)} comparison", loc="left")
+
+
+def _calibration(panel: Axes, calibration: pd.DataFrame) -> None:
+    for method, colour, marker in (
+        ("gaussian process", style.ORANGE, "^"), ("conformal", style.BLUE, "o"),
+    ):  # fmt: skip
+        rows = calibration[calibration["method"] == method]
+        panel.plot(
+            100.0 * rows["level"], 100.0 * rows["coverage"], marker=marker, ms=3.5, lw=0.9,
+            color=colour, label="normal quantiles" if method != "conformal" else "conformal",
+        )  # fmt: skip
+    rows = calibration[calibration["method"] == "conformal"]
+    panel.fill_between(
+        100.0 * rows["level"], 100.0 * rows["band_lower"], 100.0 * rows["band_upper"],
+        color=style.LIGHT_GREY, lw=0.0, zorder=0,
+    )  # fmt: skip
+    panel.plot([0.0, 100.0], [0.0, 100.0], color=style.BLACK, ls="--", lw=0.7, zorder=1)
+    widths = rows.set_index("level")["width"]
+    words = [f"{100.0 * level:g} %: +{100.0 * widths[level]:.1f} %" for level in (0.5, 0.8, 0.95)]
+    panel.text(
+        102.0, 3.0, "\n".join(["median upper end", "over prediction", *words]), fontsize=6.5,
+        ha="right", va="bottom", color=style.BLUE,
+    )  # fmt: skip
+    panel.set_xlim(0.0, 104.0)
+    panel.set_ylim(0.0, 104.0)
+    panel.set_xlabel("Nominal level of the interval (%)")
+    panel.set_ylabel("Held-out rows inside (%)")
+    panel.legend(loc="upper left")
+    panel.set_title(f"{style.letter(1)} calibration", loc="left")
+
+
+def _curve(panel: Axes, curve: pd.DataFrame, noise: Mapping | None) -> None:
+    lows = []
+    for name, rows in curve.groupby("model", sort=False):
+        colour = style.MODEL_COLOURS[name]
+        middle = np.clip(1.0 - rows["r2"], LEAST, 1.0)
+        panel.plot(rows["trained"], middle, marker="o", ms=3.5, color=colour, label=MODELS[name])
+        panel.fill_between(
+            rows["trained"], np.clip(1.0 - rows["r2_upper"], LEAST, 1.0),
+            np.clip(1.0 - rows["r2_lower"], LEAST, 1.0), color=colour, alpha=0.15, lw=0.0,
+        )  # fmt: skip
+        lows += list(np.clip(1.0 - rows["r2_upper"], LEAST, 1.0))
+    if noise is not None and np.isfinite(noise["r2_floor"] or np.nan):
+        panel.axhline(1.0 - noise["r2_floor"], color=style.BLACK, lw=0.8, ls="--")
+        panel.text(
+            curve["trained"].min(), 1.0 - noise["r2_floor"], "noise floor", fontsize=6.5,
+            va="bottom",
+        )  # fmt: skip
+        lows.append(1.0 - noise["r2_floor"])
+    panel.set_xscale("log")
+    panel.set_yscale("log")
+    low = max(0.6 * min((v for v in lows if np.isfinite(v)), default=LEAST), LEAST / 2)
+    high = float(np.nanmax(np.clip(1.0 - curve["r2_lower"], LEAST, 1.0)))
+    panel.set_ylim(min(1.3 * high, 1.05), low)
+    _unexplained_axis(panel.yaxis, low, min(1.3 * high, 1.0))
+    ticks = sorted(set(curve["trained"]))
+    panel.set_xticks(ticks, [str(tick) for tick in ticks])
+    panel.set_xticks([], minor=True)
+    panel.grid(axis="y", color=style.LIGHT_GREY, lw=0.5)
+    panel.set_xlabel("Training rows")
+    panel.set_ylabel("$R^2$ on held-out rows")
+    panel.legend(loc="upper right", bbox_to_anchor=(1.0, 0.93))
+    panel.set_title(f"{style.letter(2)} learning curve", loc="left")
+
+
+def _indices(panel: Axes, indices: pd.DataFrame) -> None:
+    rows = indices[indices["explained"] == "wear"].sort_values("total", ascending=False)
+    rows = rows.iloc[:MOST_INDICES]
+    places = np.arange(len(rows))
+    for shift, column, colour, words in (
+        (-0.2, "total", style.BLUE, "total"), (0.2, "first", style.SKY, "alone"),
+    ):  # fmt: skip
+        values = rows[column].clip(lower=0.0).to_numpy()
+        panel.barh(places + shift, values, 0.36, color=colour, label=words)
+        ends = rows[[f"{column}_lower", f"{column}_upper"]].clip(lower=0.0).to_numpy()
+        panel.hlines(places + shift, ends[:, 0], ends[:, 1], color=style.BLACK, lw=0.8)
+    names = [style.short_label(name) for name in rows["feature"]]
+    panel.set_yticks(places, names)
+    panel.tick_params(axis="y", length=0)
+    panel.set_ylim(len(rows) - 0.5, -0.5)
+    panel.set_xlim(0.0, None)
+    panel.set_xlabel("Sobol index of the wear rate")
+    panel.legend(loc="lower right")
+    panel.set_title(f"{style.letter(3)} sensitivity", loc="left")
+
+
+def _exponents(panel: Axes, exponents: pd.DataFrame) -> None:
+    """Exponents of quantities, and the law in dimensionless groups."""
+    known = exponents.set_index("term")
+    quantities = exponents[exponents["kind"] == "quantity"]
+    groups = exponents[
+        (exponents["kind"] == "group")
+        & exponents["term"].isin(
+            ["log_static_friction", "log_rolling_friction", "log_rebound", "jet_width"]
+        )
+    ]
+    shown = pd.concat([quantities, groups])
+    places = np.arange(len(shown))
+    panel.axhline(0.0, color=style.BLACK, lw=0.5)
+    for place, row in zip(places, shown.itertuples(index=False), strict=True):
+        colour = style.GREEN if row.kind == "quantity" else style.GREY
+        reach = 1.96 * row.standard_error
+        if np.isfinite(reach):
+            panel.plot([place] * 2, [row.exponent - reach, row.exponent + reach], color=colour)
+        panel.plot(place, row.exponent, "o", ms=3.5, color=colour)
+        text = style.minus(f"{row.exponent:.2f}")
+        panel.annotate(
+            text, (place, row.exponent), xytext=(5.0, 4.0), textcoords="offset points",
+            fontsize=6.5, va="center", color=colour,
+        )  # fmt: skip
+    symbols = [
+        {"log_static_friction": r"\mu_s", "log_rolling_friction": r"\mu_r",
+         "log_rebound": "1+e", "jet_width": r"e^{\cos\theta}"}.get(row.term, _label_of(row).tex)
+        for row in shown.itertuples(index=False)
+    ]  # fmt: skip
+    panel.set_xticks(places, [f"${symbol}$" for symbol in symbols])
+    panel.set_xlim(-0.6, len(shown) - 0.2)
+    panel.set_ylabel("Exponent")
+    panel.margins(y=0.12)
+    panel.legend(
+        handles=[
+            Line2D([], [], marker="o", ms=3.5, color=style.GREEN, label="quantity, all else fixed"),
+            Line2D([], [], marker="o", ms=3.5, color=style.GREY, label="group"),
+        ],
+        loc="upper right",
+    )
+    panel.set_title(f"{style.letter(4)} power law\n{_law(known)}", loc="left", linespacing=1.6)
+
+
+def _label_of(row) -> Label:
+    """Label of a term of the power law."""
+    return (LABELS if row.kind == "quantity" else GROUP_LABELS)[row.term]
+
+
+def _law(known: pd.DataFrame) -> str:
+    """The law in mathematical text, two lines."""
+    value = known["exponent"]
+    powers = [
+        (r"Fr", "log_froude"), (r"(R/H)", "log_size"), (r"L", "log_loading"),
+        (r"Ca", "log_cauchy"), (r"(G^*/E^*)", "log_stiffness_ratio"),
+        (r"\mu_s", "log_static_friction"), (r"\mu_r", "log_rolling_friction"),
+        (r"(1+e)", "log_rebound"),
+    ]  # fmt: skip
+    first, second = (
+        r"\;".join(f"{base}^{{\\,{value[term]:.2f}}}" for base, term in part)
+        for part in (powers[:5], powers[5:])
+    )
+    terms = ((r"\cos\theta", "jet_width"), (r"\varphi", "plate_angle"),
+             (r"\varphi^2", "plate_angle_squared"))  # fmt: skip
+    total = "".join(f"{value[term]:+.2f}{symbol}" for symbol, term in terms)
+    scale = r"\frac{W \dot m v^2}{2A}"
+    constant = np.exp(value["constant"])
+    return (
+        rf"$\dot h = {scale} \cdot {constant:.2g}\;{first}$"
+        "\n"
+        rf"$\quad\;\; {second}\;\exp({total})$"
+    )

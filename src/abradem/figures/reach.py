@@ -1,0 +1,109 @@
+"""Models beyond the ranges that they learned from, and on every target."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from abradem.figures import style
+from abradem.words.labels import MODELS
+
+
+def reach_figure(extrapolation: pd.DataFrame, targets: pd.DataFrame, table: str) -> Figure:
+    """Beyond the ranges learned from, and every target.
+
+    Parameters
+    ----------
+    extrapolation, targets : pandas.DataFrame
+        From `abradem.learning.physical.reach.extrapolate` and `abradem.learning.physical.models.all_targets`.
+    table : str
+        Name of the table learned from.
+    """
+    with style.style():
+        figure = style.new_figure(style.PAGE, 2.9)
+        left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.05))
+        _beyond(left, extrapolation)
+        _targets(right, targets)
+        style.caption(
+            figure,
+            f"table: {table}. (a) filled: rows beyond the bound, models trained on the others; "
+            "open: the same rows by cross-validation over all rows; number: share of the rows "
+            "beyond inside the process's 95 % intervals. (b) Gaussian process, median over splits "
+            "of $R^2$ on the raw target (in brackets: of its logarithm)",
+        )
+    return figure
+
+
+def _beyond(panel: Axes, extrapolation: pd.DataFrame) -> None:
+    panel.set_title(f"{style.letter(0)} extrapolation", loc="left")
+    if extrapolation.empty:
+        style.say_nothing_to_show(panel, "too few rows to hold a range out")
+        return
+    tests = list(dict.fromkeys(extrapolation["test"]))
+    models = list(dict.fromkeys(extrapolation["model"]))
+    labels = []
+    for place, test in enumerate(tests):
+        rows = extrapolation[extrapolation["test"] == test].set_index("model")
+        for step, model in enumerate(models):
+            y = place + 0.22 * (step - 0.5 * (len(models) - 1))
+            beyond, within = (max(rows.loc[model, key], -0.5) for key in ("r2", "within_r2"))
+            colour = style.MODEL_COLOURS[model]
+            panel.plot([beyond, within], [y, y], color=colour, lw=0.8)
+            panel.plot(within, y, "o", ms=4.0, mfc="white", mec=colour)
+            panel.plot(beyond, y, "o", ms=4.0, color=colour)
+            if np.isfinite(rows.loc[model, "coverage"]):
+                panel.annotate(
+                    f"{100.0 * rows.loc[model, 'coverage']:.0f} %",
+                    (min(beyond, within), y), xytext=(-6.0, 0.0), textcoords="offset points",
+                    ha="right", va="center", fontsize=6.5, color=colour,
+                )  # fmt: skip
+        first = rows.iloc[0]
+        rows_of_all = f"{first['tested']} of {first['trained'] + first['tested']}"
+        labels.append(f"{first['words']}\n({rows_of_all})")
+    panel.set_yticks(range(len(tests)), labels)
+    panel.tick_params(axis="y", length=0)
+    panel.set_ylim(len(tests) - 0.4, -0.6)
+    low = min(extrapolation["r2"].min(), extrapolation["within_r2"].min())
+    span = max(1.0 - max(low, -0.5), 0.02)
+    panel.set_xlim(1.0 - 1.25 * span, 1.0 + 0.02 * span)
+    panel.grid(axis="x", color=style.LIGHT_GREY, lw=0.5)
+    panel.set_axisbelow(True)
+    panel.set_xlabel("$R^2$")
+    panel.legend(
+        handles=[
+            Line2D([], [], marker="o", ms=4.0, color=style.MODEL_COLOURS[m], label=MODELS[m]) for m in models
+        ],
+        loc="upper center", bbox_to_anchor=(0.4, -0.22), ncols=3, columnspacing=1.0,
+    )  # fmt: skip
+
+
+def _targets(panel: Axes, targets: pd.DataFrame) -> None:
+    panel.set_title(f"{style.letter(1)} every target", loc="left")
+    rows = targets[targets["model"] == "gaussian_process"].set_index("target")
+    measures = [r for r in ("total", "sliding", "friction") if f"wear_{r}_mean" in rows.index]
+    statistics = [
+        s for s in ("mean", "footprint", "p99", "max")
+        if any(f"wear_{r}_{s}" in rows.index for r in measures)
+    ]  # fmt: skip
+    values = np.full((len(measures), len(statistics)), np.nan)
+    for i, measure in enumerate(measures):
+        for j, statistic in enumerate(statistics):
+            name = f"wear_{measure}_{statistic}"
+            if name not in rows.index:
+                continue
+            values[i, j] = rows.loc[name, "r2"]
+            dark = values[i, j] > 0.6
+            panel.text(
+                j, i, f"{rows.loc[name, 'r2']:.3f}\n({rows.loc[name, 'r2_log']:.2f})",
+                ha="center", va="center", fontsize=7.0, color="white" if dark else "black",
+            )  # fmt: skip
+    panel.imshow(values, cmap="viridis_r", vmin=0.0, vmax=1.0, aspect="auto")
+    words = {"mean": "plate", "footprint": "footprint", "p99": "99th perc.", "max": "worst facet"}
+    panel.set_xticks(range(len(statistics)), [words[s] for s in statistics])
+    panel.set_yticks(range(len(measures)), measures)
+    panel.tick_params(length=0)
+    for side in panel.spines.values():
+        side.set_visible(False)

@@ -1,0 +1,95 @@
+"""Which quantities the wear depends on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from abradem.figures import style
+from abradem.quantities import quantity
+from abradem.words.labels import LABELS
+
+
+def sensitivity_figure(
+    indices: pd.DataFrame, falls: pd.DataFrame, dependence: pd.DataFrame, table: str
+) -> Figure:
+    """Sobol indices of wear and log wear, permutation importance, partial dependence.
+
+    Parameters
+    ----------
+    indices, falls, dependence : pandas.DataFrame
+        From `abradem.learning.physical.sensitivity`.
+    table : str
+        Name of the table learned from.
+    """
+    wear = indices[indices["explained"] == "wear"].sort_values("total", ascending=False)
+    order = list(wear["feature"])
+    with style.style():
+        figure = style.new_figure(style.PAGE, 5.9)
+        grid = figure.add_gridspec(3, 4, height_ratios=(1.9, 1.0, 1.0))
+        left, right = figure.add_subplot(grid[0, :2]), figure.add_subplot(grid[0, 2:])
+        places = np.arange(len(order))
+        for shift, explained, colour in (
+            (-0.2, "wear", style.BLUE), (0.2, "log wear", style.ORANGE),
+        ):  # fmt: skip
+            rows = indices[indices["explained"] == explained].set_index("feature").loc[order]
+            left.barh(places + shift, rows["total"].clip(lower=0.0), 0.36, color=colour)
+            left.hlines(
+                places + shift, rows["total_lower"].clip(lower=0.0), rows["total_upper"],
+                color=style.BLACK, lw=0.7,
+            )  # fmt: skip
+            left.plot(
+                rows["first"].clip(lower=0.0), places + shift, "|", ms=5.5, mew=1.2,
+                color=style.BLACK,
+            )  # fmt: skip
+        names = [style.short_label(name) for name in order]
+        left.set_yticks(places, names)
+        left.set_xlabel("Sobol index")
+        left.legend(
+            handles=[
+                Patch(color=style.BLUE, label="total, wear"),
+                Patch(color=style.ORANGE, label="total, ln wear"),
+                Line2D([], [], marker="|", ls="", mew=1.2, color=style.BLACK, label="alone"),
+            ],
+            loc="lower right",
+        )
+        left.set_title(f"{style.letter(0)} Sobol indices", loc="left")
+        lost = falls.set_index("feature").loc[order]
+        right.barh(places, lost["fall"], 0.6, color=style.GREEN)
+        right.hlines(places, lost["fall_lower"], lost["fall_upper"], color=style.BLACK, lw=0.8)
+        right.set_yticks(places, [f"${LABELS[name].tex}$" for name in order])
+        right.set_xlabel("Fall of $R^2$ when shuffled")
+        right.set_title(f"{style.letter(1)} permutation importance", loc="left")
+        for panel in (left, right):
+            panel.tick_params(axis="y", length=0)
+            panel.set_ylim(len(order) - 0.5, -0.5)
+            panel.set_xlim(0.0, None)
+        most = dependence["predicted"].max()
+        power = style.decade(most)
+        for place, name in enumerate(order[:8]):
+            panel = figure.add_subplot(grid[1 + place // 4, place % 4])
+            rows = dependence[dependence["feature"] == name]
+            row = quantity(name)
+            panel.plot(
+                rows["setting"] / row.config_factor, rows["predicted"] / 10.0**power,
+                color=style.BLUE,
+            )  # fmt: skip
+            panel.set_ylim(0.0, 1.08 * most / 10.0**power)
+            unit = "" if row.config_unit == "1" else row.config_unit
+            panel.set_xlabel(
+                style.with_unit(f"${LABELS[row.name].tex}$", unit or "1"), fontsize=7.0
+            )
+            panel.set_title(style.letter(2 + place), loc="left")
+            if place % 4 == 0:
+                panel.set_ylabel(f"Wear ({style.scaled_unit(power, 'mm/s')})")
+        style.caption(
+            figure,
+            f"table: {table}; Gaussian process. (a) over the ranges of the table, all 14 sampled "
+            "quantities independent; bootstrap intervals of 95 %. (b) mean, least and largest of "
+            "the splits. From (c) on: geometric mean of the predicted wear depth rate over the "
+            "cases with one quantity set",
+        )
+    return figure

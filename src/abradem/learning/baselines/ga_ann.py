@@ -1,0 +1,359 @@
+"""Networks whose architecture a genetic search finds, under either protocol.
+
+``as_published``
+    70/30 split with seed 42, the study's 12 features standardised over all rows, the wear
+    unscaled in the search; fitness is R2 on the **test rows**. The found net is then trained
+    again, longer and on standardised wear, several times, and the best look at the test rows is
+    the score: how a figure like the printed one comes about. The other looks stand beside it.
+``leakage_free``
+    The training rows of a split are parted into rows to train on and validation rows; features
+    are chosen, scalers fitted on the former alone, fitness is R2 on the latter. The found net is
+    trained again on all training rows, and this net, fixed beforehand, meets the test rows once.
+    More trainings of the same net from other start weights tell how much of a score is chance.
+    More than one search, each inside the training rows of another split, is the nested form.
+
+The study's own net, 449-24-500-385, is trained alike without a search.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from abradem.learning.baselines import genetic
+from abradem.learning.baselines.genetic import Memory, Options, Problem, Search
+from abradem.learning.baselines.selection import select
+from abradem.learning.evaluation import Results
+from abradem.learning.model_files import about
+from abradem.learning.network import Layers, Training, one_thread
+from abradem.learning.protocols import (
+    AS_PUBLISHED,
+    LEAKAGE_FREE,
+    PUBLISHED_NETWORK_SHARE,
+    held_out,
+    published_split,
+    repeated_splits,
+)
+from abradem.learning.published import NETWORK, SELECTED
+from abradem.learning.rows import Scaler, Table, standard_scaler
+from abradem.learning.scores import scores_of
+from abradem.quantities import FEATURE_NAMES, quantity
+
+MODEL = "ga_ann"
+PAPER_NET = "paper_net"
+UNSCALED = Scaler(np.float64(0.0), np.float64(1.0))
+
+
+class Split(NamedTuple):
+    """Rows and scaling of one search and what follows it.
+
+    ``fit`` are trained on in the search, ``look`` give the fitness; ``train`` are trained on in
+    the end and ``test`` score. ``columns`` are the features used.
+    """
+
+    fit: np.ndarray
+    look: np.ndarray
+    train: np.ndarray
+    test: np.ndarray
+    columns: np.ndarray
+    search_scalers: tuple[Scaler, Scaler]
+    final_scalers: tuple[Scaler, Scaler]
+
+
+@dataclass(frozen=True)
+class NetworkResult:
+    """What `fit_networks` gives: history of the searches, results, model, summary."""
+
+    history: pd.DataFrame
+    results: Results
+    model: tuple
+    summary: dict
+
+
+def settings(options: Mapping) -> dict:
+    """Arguments of `fit_networks` from the section of the configuration."""
+    options = dict(options)
+    rate = options.pop("learning_rate")
+    return {
+        "training": Training(options.pop("epochs"), options.pop("batch"), rate),
+        "final": Training(options.pop("final_epochs"), options.pop("final_batch"), rate),
+        "options": Options(**{name: options.pop(name) for name in Options._fields}),
+        **options,
+    }
+
+
+def leakage_free_split(
+    table: Table,
+    train: np.ndarray,
+    test: np.ndarray,
+    validation_share: float,
+    count: int,
+    seed: list[int],
+    lasso_alpha: float = 0.1,
+    ridge_alpha: float = 1.0,
+) -> Split:
+    """Part the training rows, choose features and fit scalers without the other rows."""
+    x, y = table.features, table.target
+    shuffled = np.random.default_rng(seed).permutation(train)
+    checked = held_out(len(train), validation_share)
+    fit, look = np.sort(shuffled[checked:]), np.sort(shuffled[:checked])
+    columns, _ = select(x[fit], y[fit], count, lasso_alpha, ridge_alpha)
+    return Split(
+        fit,
+        look,
+        train,
+        test,
+        columns,
+        (standard_scaler(x[np.ix_(fit, columns)]), standard_scaler(y[fit])),
+        (standard_scaler(x[np.ix_(train, columns)]), standard_scaler(y[train])),
+    )
+
+
+def published_network_split(table: Table) -> Split:
+    """Rows, features and scalers as published."""
+    train, test = published_split(len(table.target), PUBLISHED_NETWORK_SHARE)
+    columns = np.array([FEATURE_NAMES.index(name) for name in SELECTED])
+    of_x = standard_scaler(table.features[:, columns])
+    return Split(
+        train,
+        test,
+        train,
+        test,
+        columns,
+        (of_x, UNSCALED),
+        (of_x, standard_scaler(table.target)),
+    )
+
+
+@one_thread()
+def fit_networks(
+    table: Table,
+    protocol: str,
+    options: Options = Options(),  # noqa: B008  (immutable)
+    training: Training = Training(),  # noqa: B008  (immutable)
+    final: Training = Training(epochs=60, batch=50),  # noqa: B008  (immutable)
+    features: int = 12,
+    lasso_alpha: float = 0.1,
+    ridge_alpha: float = 1.0,
+    validation_share: float = 0.25,
+    retrainings: int = 10,
+    searches: int = 1,
+    test_share: float = 0.2,
+    confidence: float = 0.95,
+    seed: int = 0,
+    cores: int = 1,
+    device: str = "cpu",
+    folder: str | Path | None = None,
+    code: str = "",
+    progress: Callable[[str], None] | None = None,
+) -> NetworkResult:
+    """Search, train the found net again, score it.
+
+    Parameters
+    ----------
+    table : Table
+    protocol : {"as_published", "leakage_free"}
+    options, training : Options, Training
+        Of the search.
+    final : Training
+        Of the found net.
+    features : int
+        Number of features that leakage-free searches choose.
+    lasso_alpha, ridge_alpha : float
+        Penalties behind that choice, see `abradem.learning.baselines.selection`.
+    validation_share : float
+        Share of the training rows that give the fitness (leakage-free).
+    retrainings : int
+        Trainings of the found net from other start weights, the first included.
+    searches : int
+        Leakage-free searches, each inside another of the repeated splits.
+    test_share, confidence, seed
+        Of the repeated splits.
+    cores : int
+    device : {"cpu", "cuda"}
+    folder : path, optional
+        Where an interrupted search leaves its fitnesses; removed at the end.
+    code : str
+        Hash of the code, without which those of another version would be taken.
+    progress : callable, optional
+    """
+    results = Results(table)
+    if protocol == AS_PUBLISHED:
+        splits = [published_network_split(table)]
+    else:
+        choice = validation_share, features
+        penalties = lasso_alpha, ridge_alpha
+        splits = [
+            leakage_free_split(table, *rows, *choice, [seed, repeat, 1], *penalties)
+            for repeat, rows in enumerate(repeated_splits(table.keys, test_share, searches, seed))
+        ]
+    histories, found, counted = [], [], []
+    for repeat, split in enumerate(splits):
+        problem = _problem(table, split)
+        ours = _seed(seed, repeat)
+        memory = Memory(
+            folder and Path(folder) / f"search-{repeat}",
+            genetic.fingerprint(problem, options.weights, training, device, ours, code),
+        )
+        search = genetic.search(
+            problem, options, training, ours, cores, device, memory,
+            progress and _numbered(progress, repeat, len(splits)),
+        )  # fmt: skip
+        histories.append(search.history.assign(protocol=protocol, repeat=repeat))
+        found.append((split, search))
+        again = final, cores, device
+        seeds = _seeds(search.best.seed, retrainings if repeat == 0 else 1)
+        looks = _looks(table, split, search.best.layers, seeds, *again)
+        counted.append(_score(results, MODEL, protocol, repeat, split, looks, search))
+        if repeat == 0:
+            looks = _looks(table, split, NETWORK, _seeds(ours, retrainings), *again)
+            _score(results, PAPER_NET, protocol, 0, split, looks, None)
+    if folder:
+        shutil.rmtree(folder, ignore_errors=True)
+    split, search = found[0]
+    network, scalers = counted[0]
+    scores = {
+        name: scores_of(results.scores, name, protocol, confidence) for name in (MODEL, PAPER_NET)
+    }
+    summary = {
+        "model": MODEL,
+        "protocol": protocol,
+        "fitness": _FITNESS[protocol],
+        "features": [FEATURE_NAMES[column] for column in split.columns],
+        "symbols": [quantity(FEATURE_NAMES[column]).symbol for column in split.columns],
+        "architecture": list(search.best.layers),
+        "best_fitness": search.fitness,
+        "lineage": _lineage(search),
+        "generations": _generations(search),
+        "networks_trained": search.trained,
+        "rows": {
+            "fit": len(split.fit),
+            "fitness": len(split.look),
+            "train": len(split.train),
+            "test": len(split.test),
+        },
+        "searches": [
+            {"architecture": list(one.best.layers), "best_fitness": one.fitness} for _, one in found
+        ],
+        "confidence": confidence,
+        "scores": scores,
+    }
+    description = about(
+        table, MODEL, protocol, "network", scalers, split.train, split.columns, **{
+            name: summary[name]
+            for name in ("architecture", "best_fitness", "lineage", "confidence")
+        },
+        scores=scores[MODEL],
+    )  # fmt: skip
+    return NetworkResult(
+        history=pd.concat(histories, ignore_index=True),
+        results=results,
+        model=(description, network.arrays()),
+        summary=summary,
+    )
+
+
+_FITNESS = {
+    AS_PUBLISHED: "R2 on the test rows (as published, optimistic)",
+    LEAKAGE_FREE: "R2 on validation rows inside the training rows",
+}
+
+
+def _problem(table: Table, split: Split) -> Problem:
+    of_x, of_y = split.search_scalers
+    return Problem(
+        *(
+            part
+            for rows in (split.fit, split.look)
+            for part in (
+                of_x.forward(table.features[np.ix_(rows, split.columns)]),
+                of_y.forward(table.target[rows]),
+            )
+        )
+    )
+
+
+def _seeds(first: int, count: int) -> list[int]:
+    """Seeds of the trainings of one net: its own, then others."""
+    others = np.random.default_rng([first, 2]).integers(2**31, size=count)
+    return [first, *(int(seed) for seed in others[: count - 1])]
+
+
+def _looks(table: Table, split: Split, layers: Layers, seeds, training, cores, device) -> list:
+    """The net trained on the training rows from each seed, with its scalers."""
+    of_x, of_y = split.final_scalers
+    x = of_x.forward(table.features[np.ix_(split.train, split.columns)])
+    y = of_y.forward(table.target[split.train])
+    networks = genetic.train_again(layers, seeds, x, y, training, cores, device)
+    return [(network, split.final_scalers) for network in networks]
+
+
+def _predict(table: Table, split: Split, look, rows: np.ndarray) -> np.ndarray:
+    network, (of_x, of_y) = look
+    return of_y.back(network.predict(of_x.forward(table.features[np.ix_(rows, split.columns)])))
+
+
+def _score(results: Results, model: str, protocol: str, repeat: int, split: Split, looks, search):
+    """Score the net that counts and all looks; returns the one that counts."""
+    table = results.table
+    counted = looks[0]
+    if protocol == AS_PUBLISHED:
+        # As published, the test rows choose, the net as the search left it included.
+        candidates = looks + ([(search.network, split.search_scalers)] if search else [])
+        errors = [
+            np.mean((_predict(table, split, look, split.test) - table.target[split.test]) ** 2)
+            for look in candidates
+        ]
+        counted = candidates[int(np.argmin(errors))]
+    floor = float(table.target[split.train].min())
+    for name, rows in (("train", split.train), ("test", split.test)):
+        predicted = _predict(table, split, counted, rows)
+        results.add(model, protocol, name, repeat, rows, predicted, floor, name == "test")
+    if search is not None:
+        results.add_metrics(model, protocol, "search", repeat, {"R2": search.fitness})
+    if len(looks) > 1:
+        for number, look in enumerate(looks):
+            predicted = _predict(table, split, look, split.test)
+            results.add(model, protocol, "retrained", number, split.test, predicted, floor, False)
+    return counted
+
+
+def _lineage(search: Search) -> list[dict]:
+    rows = search.history.set_index(["generation", "individual"])
+    columns = ["layers", "weights_seed", "origin", "fitness"]
+    return [
+        {"generation": generation, "individual": individual}
+        | rows.loc[(generation, individual), columns].to_dict()
+        for generation, individual in search.lineage
+    ]
+
+
+def _generations(search: Search) -> list[dict]:
+    """Fitness and size of the networks of each generation in few numbers."""
+    return [
+        {
+            "generation": generation,
+            "best_fitness": rows["fitness"].max(),
+            "median_fitness": rows["fitness"].median(),
+            "fewest_parameters": rows["parameters"].min(),
+            "median_parameters": rows["parameters"].median(),
+            "most_parameters": rows["parameters"].max(),
+        }
+        for generation, rows in search.history.groupby("generation")
+    ]
+
+
+def _numbered(progress: Callable[[str], None], repeat: int, count: int) -> Callable[[str], None]:
+    if count == 1:
+        return progress
+    return lambda line: progress(f"search {repeat + 1} of {count}, {line}")
+
+
+def _seed(seed: int, repeat: int) -> int:
+    return int(np.random.SeedSequence([seed, repeat]).generate_state(1)[0])

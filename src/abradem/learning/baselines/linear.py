@@ -1,0 +1,401 @@
+"""Ordinary least squares on the 20 features, the model whose equation the study prints.
+
+Features and target are standardised (mean and standard deviation of the rows fitted), so the
+coefficients compare: standard deviations of wear per standard deviation of a feature, the
+others held. Only 14 of the 20 features vary independently (E, E*, G*, xi and eta are functions
+of others), hence
+
+* the fit is the minimal-norm least-squares solution by singular values; rank and condition
+  number are reported, and a coefficient that the rows do not determine says so;
+* the intervals are t-intervals with the HC3 sandwich (MacKinnon and White 1985, J. Econometrics
+  29:305), because the scatter of wear grows with wear and the textbook formula, which assumes
+  it constant, would be wrong. With A = pinv(X), residuals r and leverages h the covariance of
+  the coefficients is A diag(r^2 / (1 - h)^2) A'. Nearly dependent features make them wide.
+
+The equation is fitted on all rows and describes; how well such a model predicts is what the
+held-out rows of repeated splits say, where scaler and fit see training rows only. Beside it
+stands the fit as published (one split, scaler of all rows), whose coefficients are compared with
+the printed ones.
+
+Two diagnostics say what to think of the coefficients. The variance inflation factor of feature
+j is 1 / (1 - R_j^2), R_j^2 that of the feature on the others: how much dependence widens the
+interval. The test of Breusch and Pagan in the form of Koenker (1981, J. Econometrics 17:107),
+n R^2 of the squared residuals on the features against chi-squared, asks whether the scatter
+depends on the features.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from abradem.learning.evaluation import (
+    Predict,
+    Results,
+    evaluate_as_published,
+    evaluate_leakage_free,
+    scaled,
+    scalers_of_all_rows,
+)
+from abradem.learning.model_files import about
+from abradem.learning.protocols import (
+    AS_PUBLISHED,
+    LEAKAGE_FREE,
+    PUBLISHED_SHARE,
+    held_out,
+    published_split,
+)
+from abradem.learning.published import compare_equation
+from abradem.learning.rows import Scaler, Table, constant, learning_table, standard_scaler
+from abradem.learning.scores import r2, scores_of
+from abradem.quantities import FEATURE_NAMES, TARGET, quantity
+
+MODEL = "linear"
+
+SINGULAR_CUTOFF = 1e-10
+"""Singular values below this share of the largest count as zero."""
+
+
+class Fit(NamedTuple):
+    """Least squares in standardised variables; arrays run over the features.
+
+    The coefficient of a constant feature is 0 and not ``identified``. ``leverage`` runs over the
+    rows fitted.
+    """
+
+    of_features: Scaler
+    of_target: Scaler
+    coefficients: np.ndarray
+    standard_error: np.ndarray
+    identified: np.ndarray
+    leverage: np.ndarray
+    rank: int
+    condition_number: float
+    degrees_of_freedom: int
+
+
+@dataclass(frozen=True)
+class LinearResult:
+    """What `fit_linear` gives.
+
+    Attributes
+    ----------
+    coefficients : pandas.DataFrame
+        protocol, symbol, feature, coefficient, standard_error, lower, upper, identified,
+        variance_inflation; one row per feature, dimensionless.
+    equation : str
+        The fitted equation in standardised variables.
+    residuals : pandas.DataFrame
+        protocol, case_id, fitted, residual (both in standard deviations of the target),
+        leverage, studentised (residual over its own standard error, which shrinks with the
+        leverage), normal_quantile (that of a normal distribution at its rank); all rows.
+    published : pandas.DataFrame
+        Printed coefficients beside the refit, see `abradem.learning.published.compare_equation`.
+    predictions : pandas.DataFrame
+        model, protocol, case_id, repeat, split, actual, predicted (mm/s) of held-out rows.
+    scores : pandas.DataFrame
+        Tidy scores: splits ``test`` and ``train`` of every repeat, ``fit`` of all rows.
+    summary : dict
+        Everything to store and to use the model: names, units, scaler, coefficients, training
+        ranges, rank, held-out scores, and in words what could not be computed (``notes``).
+    """
+
+    coefficients: pd.DataFrame
+    equation: str
+    residuals: pd.DataFrame
+    published: pd.DataFrame
+    predictions: pd.DataFrame
+    scores: pd.DataFrame
+    summary: dict
+
+
+def least_squares(features: np.ndarray, target: np.ndarray) -> Fit:
+    """Minimal-norm least squares with intercept in standardised variables, HC3 errors.
+
+    Parameters
+    ----------
+    features : ndarray, shape (n, p)
+    target : ndarray, shape (n,)
+
+    Returns
+    -------
+    Fit
+        ``standard_error`` is nan where a coefficient is not identified, and everywhere if no
+        residual degree of freedom is left or a row is fitted whatever its target.
+    """
+    n = len(target)
+    of_features, of_target = standard_scaler(features), standard_scaler(target)
+    x, y = of_features.forward(features), of_target.forward(target)
+
+    u, singular, vt = np.linalg.svd(x, full_matrices=False)
+    kept = singular > SINGULAR_CUTOFF * singular.max(initial=0.0)
+    u, singular, vt = u[:, kept], singular[kept], vt[kept]
+    rank = len(singular)
+    pseudo_inverse = (vt.T / singular) @ u.T
+    coefficients = np.where(constant(features), 0.0, pseudo_inverse @ y)
+    identified = np.sum(vt**2, axis=0) > 1.0 - 1e-8
+
+    leverage = 1.0 / n + np.sum(u**2, axis=1)
+    freedom = n - rank - 1
+    if freedom >= 1 and leverage.max() < 1.0 - 1e-9:
+        weighted = (y - x @ coefficients) / (1.0 - leverage)
+        error = np.sqrt(np.sum((pseudo_inverse * weighted) ** 2, axis=1))
+        error = np.where(identified, error, np.nan)
+    else:
+        error = np.full(features.shape[1], np.nan)
+    return Fit(
+        of_features,
+        of_target,
+        coefficients,
+        error,
+        identified,
+        leverage,
+        rank,
+        float(singular.max() / singular.min()) if rank else np.nan,
+        max(freedom, 0),
+    )
+
+
+def predict(fit: Fit, features: np.ndarray) -> np.ndarray:
+    """Target of rows of features, in its own unit."""
+    return fit.of_target.back(fit.of_features.forward(features) @ fit.coefficients)
+
+
+def ordinary(x: np.ndarray, y: np.ndarray) -> Predict:
+    """Least squares as a model for `abradem.learning.evaluation`."""
+    fit = least_squares(x, y)
+    return lambda rows: predict(fit, rows)
+
+
+def variance_inflation(features: np.ndarray) -> np.ndarray:
+    """Variance inflation factors, shape (p,); inf where the others determine a feature.
+
+    nan for a constant feature, and throughout without more rows than features.
+    """
+    varies = np.flatnonzero(~constant(features))
+    found = np.full(features.shape[1], np.nan)
+    if len(features) <= len(varies) + 1:
+        return found
+    z = standard_scaler(features).forward(features)[:, varies]
+    for place, column in enumerate(varies):
+        others = np.delete(z, place, axis=1)
+        weights = np.linalg.lstsq(others, z[:, place], rcond=None)[0]
+        rest = float(np.mean((z[:, place] - others @ weights) ** 2))
+        found[column] = 1.0 / rest if rest > SINGULAR_CUTOFF else np.inf
+    return found
+
+
+def breusch_pagan(features: np.ndarray, residuals: np.ndarray) -> dict:
+    """Whether the squared residuals depend on the features.
+
+    Returns
+    -------
+    dict
+        ``statistic`` (n R^2), ``degrees_of_freedom``, ``p_value``; nan without enough rows.
+    """
+    squared = residuals**2
+    fit = least_squares(features, squared)
+    if len(squared) <= fit.rank + 1 or np.ptp(squared) == 0.0:
+        return {"statistic": np.nan, "degrees_of_freedom": fit.rank, "p_value": np.nan}
+    statistic = len(squared) * r2(squared, predict(fit, features))
+    return {
+        "statistic": statistic,
+        "degrees_of_freedom": fit.rank,
+        "p_value": float(stats.chi2.sf(statistic, fit.rank)),
+    }
+
+
+def fit_linear(
+    dataset: pd.DataFrame,
+    target: str = TARGET.name,
+    test_share: float = 0.2,
+    repeats: int = 50,
+    confidence: float = 0.95,
+    seed: int = 0,
+    table: str = "dataset",
+) -> LinearResult:
+    """Fit the linear equation and score it on held-out rows, both protocols.
+
+    Parameters
+    ----------
+    dataset : pandas.DataFrame
+        Holds case_id, the 20 features and ``target``, all finite.
+    target : str
+        A wear-rate column, mm/s.
+    test_share : float
+        Share of rows held out in each split (leakage-free).
+    repeats : int
+        Number of random splits (leakage-free).
+    confidence : float
+        Of the coefficients' intervals, and the central share of repeats that scores state.
+    seed : int
+        Of the splits.
+    table : str
+        Name of the table in the scores.
+
+    Returns
+    -------
+    LinearResult
+    """
+    if not 0.0 < confidence < 1.0:
+        raise ValueError(f"confidence = {confidence!r} must lie between 0 and 1")
+    rows = learning_table(dataset, target, table)
+    x, y = rows.features, rows.target
+    results = Results(rows)
+    evaluate_leakage_free(results, MODEL, ordinary, test_share, repeats, seed)
+    of_all = scalers_of_all_rows(rows)
+    evaluate_as_published(results, MODEL, scaled(ordinary, of_all))
+
+    fit = least_squares(x, y)
+    fitted = predict(fit, x)
+    everything = np.arange(len(y))
+    results.add(MODEL, LEAKAGE_FREE, "fit", -1, everything, fitted, float(y.min()), keep=False)
+    residuals = _residuals(rows, fit, fitted)
+    published, own = compare_equation(*_published_equation(rows))
+    coefficients = _coefficients(fit, confidence).assign(variance_inflation=variance_inflation(x))
+    scores = results.scores
+    tested = held_out(len(y), test_share)
+    train = len(y) - tested
+    description = about(
+        rows, MODEL, LEAKAGE_FREE, "linear", of_all, confidence=confidence,
+        scores=scores_of(scores, MODEL, LEAKAGE_FREE, confidence),
+    )  # fmt: skip
+    for feature, coefficient in zip(description["features"], fit.coefficients, strict=True):
+        feature["coefficient"] = coefficient
+    return LinearResult(
+        coefficients=coefficients,
+        equation=_equation(coefficients),
+        residuals=residuals,
+        published=published,
+        predictions=results.predictions,
+        scores=scores,
+        summary={
+            **description,
+            "equation": _equation(coefficients),
+            "scores_as_published": scores_of(scores, MODEL, AS_PUBLISHED, confidence),
+            "breusch_pagan": breusch_pagan(x, residuals["residual"].to_numpy()),
+            "misprints": _misprints(published) if own else None,
+            "rank": fit.rank,
+            "condition_number": fit.condition_number,
+            "degrees_of_freedom": fit.degrees_of_freedom,
+            "intervals": f"{100 * confidence:g} % t-intervals, HC3 standard errors",
+            "splits": {
+                "rows": len(y), "train": train, "test": tested, "repeats": repeats,
+                "test_share": test_share, "seed": seed,
+            },
+            "notes": _notes(fit, constant(x), len(y), train, tested, scores),
+        },
+    )  # fmt: skip
+
+
+def _published_equation(table: Table) -> tuple[float, np.ndarray]:
+    """Intercept and coefficients of the published split in variables scaled over all rows."""
+    of_x, of_y = scalers_of_all_rows(table)
+    train, _ = published_split(len(table.target), PUBLISHED_SHARE)
+    fit = least_squares(of_x.forward(table.features[train]), of_y.forward(table.target[train]))
+    slopes = fit.coefficients * fit.of_target.scale / fit.of_features.scale
+    return float(fit.of_target.mean - fit.of_features.mean @ slopes), slopes
+
+
+def _misprints(published: pd.DataFrame) -> list[str]:
+    rows = published[published["verdict"] != "agrees"]
+    return [
+        f"{row.symbol or row.feature}: printed {row.printed:+.3f}, refitted {row.refitted:+.3f} "
+        f"({row.verdict})"
+        for row in rows.itertuples(index=False)
+    ]
+
+
+def _residuals(table: Table, fit: Fit, fitted: np.ndarray) -> pd.DataFrame:
+    residual = (table.target - fitted) / fit.of_target.scale
+    studentised = np.full(len(residual), np.nan)
+    if fit.degrees_of_freedom and fit.leverage.max() < 1.0 - 1e-9:
+        spread = np.sqrt(np.sum(residual**2) / fit.degrees_of_freedom) or np.nan
+        studentised = residual / (spread * np.sqrt(1.0 - fit.leverage))
+    return pd.DataFrame(
+        {
+            "protocol": LEAKAGE_FREE,
+            "case_id": table.keys,
+            "fitted": fit.of_target.forward(fitted),
+            "residual": residual,
+            "leverage": fit.leverage,
+            "studentised": studentised,
+            "normal_quantile": stats.norm.ppf(
+                (stats.rankdata(studentised, "ordinal") - 0.5) / len(residual)
+            ),
+        }
+    )
+
+
+def _coefficients(fit: Fit, confidence: float) -> pd.DataFrame:
+    freedom = fit.degrees_of_freedom
+    quantile = stats.t.ppf(0.5 + 0.5 * confidence, freedom) if freedom else np.nan
+    return pd.DataFrame(
+        {
+            "protocol": LEAKAGE_FREE,
+            "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
+            "feature": FEATURE_NAMES,
+            "coefficient": fit.coefficients,
+            "standard_error": fit.standard_error,
+            "lower": fit.coefficients - quantile * fit.standard_error,
+            "upper": fit.coefficients + quantile * fit.standard_error,
+            "identified": fit.identified,
+        }
+    )
+
+
+def _equation(coefficients: pd.DataFrame) -> str:
+    """The equation in standardised variables, which has no intercept on the rows it fits."""
+    terms = [
+        f"{'-' if value < 0 else '+'} {abs(value):.3f} {symbol}"
+        for symbol, value in zip(coefficients["symbol"], coefficients["coefficient"], strict=True)
+    ]
+    return f"{TARGET.symbol} = 0.000 " + " ".join(terms)
+
+
+def _notes(
+    fit: Fit, fixed: np.ndarray, rows: int, train: int, test: int, scores: pd.DataFrame
+) -> list[str]:
+    """What the rows do not allow, one line each."""
+    notes = []
+    size = len(FEATURE_NAMES)
+    if fixed.any():
+        symbols = [quantity(name).symbol for name in np.array(FEATURE_NAMES)[fixed]]
+        notes.append(f"constant in this table, hence without effect: {', '.join(symbols)}")
+    if fit.rank < size:
+        notes.append(
+            f"{rows} rows of rank {fit.rank} do not determine {size} coefficients: the fit of "
+            "least norm is given"
+        )
+    if np.isnan(fit.standard_error).all():
+        notes.append(f"{rows} rows leave no scatter to judge: no intervals of the coefficients")
+    elif np.isnan(fit.standard_error).any():
+        notes.append("coefficients that the rows do not determine have no interval")
+    if train <= size:
+        notes.append(
+            f"{train} training rows for {size} coefficients: the fits interpolate their training "
+            "rows and the held-out scores say little"
+        )
+    if test < 2:
+        notes.append(f"{test} test row: no held-out R2")
+    logarithmic = scores[(scores["split"] == "test") & (scores["metric"] == "R2_log")]
+    if not np.isfinite(logarithmic["value"]).any() and test >= 2:
+        notes.append("targets that are not positive: no scores on their logarithm")
+    return notes
+
+
+def train(dataset: pd.DataFrame, target: str, name: str, **options) -> dict:
+    """Outputs of the rule by name; arguments of `abradem.learning.rows.learning_table` and `fit_linear`."""
+    found = fit_linear(dataset, target, table=name, **options)
+    return {
+        "summary": (found.summary, {"coefficients": found.coefficients["coefficient"].to_numpy()}),
+        "coefficients": found.coefficients,
+        "residuals": found.residuals,
+        "published": found.published,
+        "scores": found.scores,
+        "predictions": found.predictions,
+    }

@@ -1,0 +1,362 @@
+"""Principal components of the 20 features, and regression on them.
+
+``as_published`` scales the features to 0...1 over all rows, then regresses, on more and more
+components, two targets: the wear, and the study's wrong one, the last component, which stood in
+the column where the notebook expected the wear. ``leakage_free`` standardises, and chooses the number
+of components by cross-validation inside the training rows.
+
+The analysis itself knows no target. Its loadings, variances and groups are those of all rows
+and describe.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from abradem.learning.evaluation import Predict, Results, evaluate_leakage_free
+from abradem.learning.model_files import about
+from abradem.learning.protocols import (
+    AS_PUBLISHED,
+    LEAKAGE_FREE,
+    PUBLISHED_SHARE,
+    folds,
+    published_split,
+    repeated_splits,
+)
+from abradem.learning.rows import (
+    FEWEST_ROWS,
+    Scaler,
+    Table,
+    constant,
+    learning_table,
+    minmax_scaler,
+    standard_scaler,
+)
+from abradem.learning.scores import r2, scores_of
+from abradem.quantities import FEATURE_NAMES, TARGET, quantity
+
+MODEL = "pca"
+WRONG = "pca_wrong_target"
+WEAR, LAST = "wear", "last component"
+
+STIFFNESS = (
+    "particle_youngs_modulus", "particle_shear_modulus", "equipment_youngs_modulus",
+    "equipment_shear_modulus", "effective_youngs_modulus", "effective_shear_modulus",
+)  # fmt: skip
+GROUPED = 0.6
+"""A feature belongs to the component with which it correlates most, by this much or more."""
+
+
+class Components(NamedTuple):
+    """Principal axes.
+
+    ``axes`` (k, p) are orthonormal, ``variances`` (k,) descend; ``centre`` (p,).
+    """
+
+    axes: np.ndarray
+    variances: np.ndarray
+    centre: np.ndarray
+
+
+@dataclass(frozen=True)
+class PcaResult:
+    """What `fit_pca` gives.
+
+    Attributes
+    ----------
+    loadings : pandas.DataFrame
+        protocol, component, symbol, feature, loading, correlation (of feature and component).
+    scree : pandas.DataFrame
+        protocol, component, variance, share, cumulative.
+    correlations : pandas.DataFrame
+        symbol, feature, other, correlation of all pairs of the 20 features and the target.
+    curve : pandas.DataFrame
+        protocol, explained, components, r2 on held-out rows: one split as published, median
+        of the repeated splits leakage-free, with their central share as lower and upper.
+    results : Results
+    model : tuple
+        Description and arrays.
+    summary : dict
+        Groups of features by component, the stiffnesses' in words.
+    """
+
+    loadings: pd.DataFrame
+    scree: pd.DataFrame
+    correlations: pd.DataFrame
+    curve: pd.DataFrame
+    results: Results
+    model: tuple
+    summary: dict
+
+
+def principal_components(z: np.ndarray) -> Components:
+    """Principal axes of scaled rows; each axis points where its largest loading is positive."""
+    centre = z.mean(axis=0)
+    _, singular, vt = np.linalg.svd(z - centre, full_matrices=False)
+    sign = np.sign(vt[np.arange(len(vt)), np.argmax(np.abs(vt), axis=1)])
+    return Components(vt * sign[:, None], singular**2 / max(len(z) - 1, 1), centre)
+
+
+def _ordinary(scores: np.ndarray, y: np.ndarray, count: int) -> tuple[np.ndarray, float]:
+    """Least squares of ``y`` on the first ``count`` columns, with intercept."""
+    design = np.column_stack([scores[:, :count], np.ones(len(y))])
+    found = np.linalg.lstsq(design, y, rcond=None)[0]
+    return found[:-1], float(found[-1])
+
+
+def regress(x: np.ndarray, y: np.ndarray, count: int) -> Predict:
+    """Regression of raw rows on their first ``count`` standardised components."""
+    of_x = standard_scaler(x)
+    parts = principal_components(of_x.forward(x))
+    slopes, intercept = _ordinary((of_x.forward(x) - parts.centre) @ parts.axes.T, y, count)
+    weights = parts.axes[:count].T @ slopes
+    return lambda rows: intercept + (of_x.forward(rows) - parts.centre) @ weights
+
+
+def curve_of(x: np.ndarray, y: np.ndarray, rows: np.ndarray, actual: np.ndarray) -> np.ndarray:
+    """R2 of ``rows`` for 1, 2, ... components fitted on ``x`` and ``y``."""
+    most = min(x.shape[1], len(y) - 1)
+    return np.array([r2(actual, regress(x, y, count)(rows)) for count in range(1, most + 1)])
+
+
+def choose_components(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) -> int:
+    """Number of components with the best mean R2 over the folds."""
+    curves = [
+        curve_of(x[train], y[train], x[check], y[check])
+        for train, check in folds(len(y), fold_count, seed)
+    ]
+    shortest = min(map(len, curves))
+    means = np.nanmean([curve[:shortest] for curve in curves], axis=0)
+    return 1 + int(np.argmax(np.nan_to_num(means, nan=-np.inf)))
+
+
+def fit_pca(
+    table: Table,
+    fold_count: int = 5,
+    test_share: float = 0.2,
+    repeats: int = 20,
+    confidence: float = 0.95,
+    seed: int = 0,
+) -> PcaResult:
+    """Principal components and the regression on them, both protocols.
+
+    Parameters
+    ----------
+    table : Table
+    fold_count : int
+        Folds inside the training rows, to choose the number of components.
+    test_share, repeats, confidence, seed
+        Of the leakage-free splits.
+    """
+    x, y = table.features, table.target
+    results = Results(table)
+    published = principal_components(minmax_scaler(x).forward(x))
+    standard = principal_components(standard_scaler(x).forward(x))
+    curve = [*_published_curves(results, published), _leakage_free_curve(
+        table, test_share, repeats, confidence, seed
+    )]  # fmt: skip
+
+    counts = []
+
+    def fit_leakage_free(features, target):
+        counts.append(choose_components(features, target, fold_count, seed))
+        return regress(features, target, counts[-1])
+
+    evaluate_leakage_free(results, MODEL, fit_leakage_free, test_share, repeats, seed)
+    count = choose_components(x, y, fold_count, seed)
+    loadings = pd.concat(
+        [
+            _loadings(AS_PUBLISHED, published, minmax_scaler(x).forward(x)),
+            _loadings(LEAKAGE_FREE, standard, standard_scaler(x).forward(x)),
+        ],
+        ignore_index=True,
+    )
+    groups = {
+        protocol: groups_of(loadings[loadings["protocol"] == protocol])
+        for protocol in (AS_PUBLISHED, LEAKAGE_FREE)
+    }
+    return PcaResult(
+        loadings=loadings,
+        scree=pd.concat([_scree(AS_PUBLISHED, published), _scree(LEAKAGE_FREE, standard)]),
+        correlations=_correlations(table),
+        curve=pd.concat(curve, ignore_index=True),
+        results=results,
+        model=_model(table, standard, count, results, confidence),
+        summary={
+            "groups": groups,
+            "stiffness": {name: stiffness_words(found) for name, found in groups.items()},
+            "components": count,
+            "components_of_the_splits": counts,
+        },
+    )
+
+
+def groups_of(loadings: pd.DataFrame) -> dict[str, list[str]]:
+    """Features by the component that they correlate with most, at least by `GROUPED`."""
+    found: dict[str, list[str]] = {}
+    for feature, rows in loadings.groupby("feature", sort=False):
+        best = rows.loc[rows["correlation"].abs().idxmax()]
+        if abs(best["correlation"]) >= GROUPED:
+            found.setdefault(f"PC{int(best['component'])}", []).append(str(feature))
+    return dict(sorted(found.items(), key=lambda item: int(item[0][2:])))
+
+
+def stiffness_words(groups: dict[str, list[str]]) -> str:
+    """Which stiffnesses stand together, in one line."""
+    parts = []
+    for component, features in groups.items():
+        stiff = [quantity(name).symbol for name in features if name in STIFFNESS]
+        if len(stiff) > 1:
+            parts.append(f"{component} groups {', '.join(stiff)}")
+    return "; ".join(parts) or "no component groups stiffnesses"
+
+
+def _published_curves(results: Results, parts: Components) -> list[pd.DataFrame]:
+    """R2 against the number of components, wear and last component, on the published split.
+
+    Min-max, components of all rows, then standardised over all rows, as the notebook does.
+    """
+    table = results.table
+    x, y = table.features, table.target
+    train, test = published_split(len(y), PUBLISHED_SHARE)
+    scores = (minmax_scaler(x).forward(x) - parts.centre) @ parts.axes.T
+    z = standard_scaler(scores).forward(scores)
+    curves = []
+    for model, name, target, most in (
+        (MODEL, WEAR, y, z.shape[1]),
+        (WRONG, LAST, z[:, -1], z.shape[1] - 1),
+    ):
+        most = min(most, len(train) - 1)
+        found = []
+        for count in range(1, most + 1):
+            slopes, intercept = _ordinary(z[train], target[train], count)
+            found.append(r2(target[test], intercept + z[test, :count] @ slopes))
+        curves.append(_curve_rows(AS_PUBLISHED, name, np.array(found)))
+        if model == MODEL:
+            predicted = intercept + z[:, :count] @ slopes
+            floor = float(y[train].min())
+            results.add(model, AS_PUBLISHED, "train", 0, train, predicted[train], floor, False)
+            results.add(model, AS_PUBLISHED, "test", 0, test, predicted[test], floor)
+        else:
+            results.add_metrics(model, AS_PUBLISHED, "test", 0, {"R2": found[-1]})
+    return curves
+
+
+def _leakage_free_curve(
+    table: Table, test_share: float, repeats: int, confidence: float, seed: int
+) -> pd.DataFrame:
+    x, y = table.features, table.target
+    curves = np.array(
+        [
+            curve_of(x[train], y[train], x[test], y[test])
+            for train, test in repeated_splits(table.keys, test_share, repeats, seed)
+        ]
+    )
+    tail = 50.0 * (1.0 - confidence)
+    lower, upper = np.percentile(curves, [tail, 100.0 - tail], axis=0)
+    return _curve_rows(LEAKAGE_FREE, WEAR, np.median(curves, axis=0), lower, upper)
+
+
+def _curve_rows(protocol, target, found, lower=np.nan, upper=np.nan) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "protocol": protocol,
+            "explained": target,
+            "components": np.arange(1, len(found) + 1),
+            "r2": found,
+            "r2_lower": lower,
+            "r2_upper": upper,
+        }
+    )
+
+
+def _loadings(protocol: str, parts: Components, z: np.ndarray) -> pd.DataFrame:
+    spread = z.std(axis=0, ddof=1) if len(z) > 1 else np.ones(z.shape[1])
+    # Correlation of feature j and component i: axis_ij sqrt(variance_i) / spread_j.
+    correlation = parts.axes * np.sqrt(parts.variances)[:, None]
+    correlation = np.divide(correlation, spread, out=np.zeros_like(correlation), where=spread > 0)
+    size = len(FEATURE_NAMES)
+    return pd.DataFrame(
+        {
+            "protocol": protocol,
+            "component": np.repeat(np.arange(1, len(parts.axes) + 1), size),
+            "symbol": [quantity(name).symbol for name in FEATURE_NAMES] * len(parts.axes),
+            "feature": list(FEATURE_NAMES) * len(parts.axes),
+            "loading": parts.axes.ravel(),
+            "correlation": correlation.ravel(),
+        }
+    )
+
+
+def _scree(protocol: str, parts: Components) -> pd.DataFrame:
+    share = parts.variances / parts.variances.sum()
+    return pd.DataFrame(
+        {
+            "protocol": protocol,
+            "component": np.arange(1, len(share) + 1),
+            "variance": parts.variances,
+            "share": share,
+            "cumulative": np.cumsum(share),
+        }
+    )
+
+
+def _correlations(table: Table) -> pd.DataFrame:
+    """Pearson correlations of X1 to X21; nan where a column does not vary."""
+    values = np.column_stack([table.features, table.target])
+    of_values = standard_scaler(values)
+    z = of_values.forward(values)
+    z[:, constant(values)] = np.nan
+    found = z.T @ z / len(z)
+    names = [*FEATURE_NAMES, TARGET.name]
+    return pd.DataFrame(
+        {
+            "symbol": np.repeat([quantity(name).symbol for name in names], len(names)),
+            "feature": np.repeat(names, len(names)),
+            "other": names * len(names),
+            "correlation": found.ravel(),
+        }
+    )
+
+
+def _model(
+    table: Table, parts: Components, count: int, results: Results, confidence: float
+) -> tuple:
+    x, y = table.features, table.target
+    of_x = standard_scaler(x)
+    slopes, intercept = _ordinary((of_x.forward(x) - parts.centre) @ parts.axes.T, y, count)
+    description = about(
+        table,
+        MODEL,
+        LEAKAGE_FREE,
+        "linear",
+        (of_x, Scaler(np.float64(intercept), np.float64(1.0))),
+        components=count,
+        confidence=confidence,
+        scores=scores_of(results.scores, MODEL, LEAKAGE_FREE, confidence),
+    )
+    arrays = {
+        "coefficients": parts.axes[:count].T @ slopes,
+        "axes": parts.axes,
+        "variances": parts.variances,
+    }
+    return description, arrays
+
+
+def train(dataset: pd.DataFrame, target: str, name: str, **options) -> dict:
+    """Outputs of the rule by name; arguments of `abradem.learning.rows.learning_table` and `fit_pca`."""
+    found = fit_pca(learning_table(dataset, target, name, FEWEST_ROWS), **options)
+    return {
+        "loadings": found.loadings,
+        "scree": found.scree,
+        "correlations": found.correlations,
+        "curve": found.curve,
+        "scores": found.results.scores,
+        "predictions": found.results.predictions,
+        "summary": found.summary,
+        "model": found.model,
+    }

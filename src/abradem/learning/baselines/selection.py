@@ -1,0 +1,149 @@
+"""Which features the networks get: from the weights of the regressions and the loadings.
+
+The study chose 12 of the 20 features "from weights and loadings" without a rule. The rule here,
+stated so that it can run inside the training rows:
+
+1. Features by weight: the larger of the absolute weights of lasso and ridge (standardised,
+   penalties as published).
+2. Features by loading: their share in the leading components, the sum over the first components
+   that hold half of the variance of squared loading times variance.
+3. Half of the places go to the largest weights, the others to the largest loadings among the
+   features left.
+
+Weights find what explains the wear one by one, loadings what represents many features at once;
+neither is proof that a feature matters.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from abradem.learning.baselines.pca import principal_components
+from abradem.learning.baselines.penalised import weights
+from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE, repeated_splits
+from abradem.learning.published import SELECTED
+from abradem.learning.rows import FEWEST_ROWS, Table, learning_table, minmax_scaler, standard_scaler
+from abradem.quantities import FEATURE_NAMES, quantity
+
+LEADING = 0.5
+"""Share of the variance that the leading components hold."""
+BY_WEIGHT = 0.5
+"""Share of the places given by weight."""
+
+
+def select(
+    x: np.ndarray,
+    y: np.ndarray,
+    count: int,
+    lasso_alpha: float = 0.1,
+    ridge_alpha: float = 1.0,
+    minmax: bool = False,
+) -> tuple[np.ndarray, pd.DataFrame]:
+    """Choose ``count`` features by the rule of this module.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, 20)
+    y : ndarray, shape (n,)
+    count : int
+    lasso_alpha, ridge_alpha : float
+    minmax : bool
+        Scale to 0...1 before the components, as published, instead of standardising.
+
+    Returns
+    -------
+    columns : ndarray of int, shape (count,)
+        Chosen features, ascending.
+    table : pandas.DataFrame
+        symbol, feature, lasso_weight, ridge_weight, leading_share, chosen_by (``weight``,
+        ``loading`` or "").
+    """
+    z, v = standard_scaler(x).forward(x), standard_scaler(y).forward(y)
+    (lasso,) = weights("lasso", z, v, np.array([lasso_alpha]))
+    (ridge,) = weights("ridge", z, v, np.array([ridge_alpha]))
+    parts = principal_components(minmax_scaler(x).forward(x) if minmax else z)
+    cumulative = np.cumsum(parts.variances) / parts.variances.sum()
+    leading = int(np.searchsorted(cumulative, LEADING)) + 1
+    loading = parts.variances[:leading] @ parts.axes[:leading] ** 2
+
+    by_weight = np.argsort(-np.maximum(np.abs(lasso), np.abs(ridge)), kind="stable")
+    first = by_weight[: max(1, round(BY_WEIGHT * count))]
+    others = [column for column in np.argsort(-loading, kind="stable") if column not in first]
+    second = others[: count - len(first)]
+    chosen_by = np.full(x.shape[1], "", dtype=object)
+    chosen_by[first], chosen_by[second] = "weight", "loading"
+    table = pd.DataFrame(
+        {
+            "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
+            "feature": FEATURE_NAMES,
+            "lasso_weight": lasso,
+            "ridge_weight": ridge,
+            "leading_share": loading / loading.sum(),
+            "chosen_by": chosen_by,
+        }
+    )
+    return np.sort(np.concatenate([first, second]).astype(int)), table
+
+
+def fit_selection(
+    table: Table,
+    count: int = 12,
+    lasso_alpha: float = 0.1,
+    ridge_alpha: float = 1.0,
+    test_share: float = 0.2,
+    repeats: int = 20,
+    seed: int = 0,
+) -> tuple[pd.DataFrame, dict]:
+    """The features chosen under both protocols, and how far they agree with the study's list.
+
+    Returns
+    -------
+    selection : pandas.DataFrame
+        protocol and the columns of `select`, with ``survives`` (share of the fits of the
+        protocol that choose the feature: all rows as published; the training rows of each split
+        leakage-free, weights of the first split) and ``in_paper``.
+    summary : dict
+        For each protocol the features and the number that the study's list shares.
+    """
+    penalties = (lasso_alpha, ridge_alpha)
+    frames, summary = [], {}
+    columns, chosen = select(table.features, table.target, count, *penalties, minmax=True)
+    frames.append(_labelled(AS_PUBLISHED, chosen, np.isin(np.arange(len(chosen)), columns)))
+    summary[AS_PUBLISHED] = _agreement(columns)
+
+    hits, first, of_first = np.zeros(len(FEATURE_NAMES)), None, None
+    for train, _ in repeated_splits(table.keys, test_share, repeats, seed):
+        columns, chosen = select(table.features[train], table.target[train], count, *penalties)
+        hits[columns] += 1.0
+        if first is None:
+            first, of_first = chosen, columns
+    frames.append(_labelled(LEAKAGE_FREE, first, hits / repeats))
+    summary[LEAKAGE_FREE] = _agreement(of_first)
+    return pd.concat(frames, ignore_index=True), {"count": count, **summary}
+
+
+def _labelled(protocol: str, chosen: pd.DataFrame, survives: np.ndarray) -> pd.DataFrame:
+    return chosen.assign(
+        protocol=protocol,
+        survives=np.asarray(survives, dtype=float),
+        in_paper=[name in SELECTED for name in FEATURE_NAMES],
+    )
+
+
+def _agreement(columns: np.ndarray) -> dict:
+    names = [FEATURE_NAMES[column] for column in columns]
+    shared = [name for name in names if name in SELECTED]
+    return {
+        "features": names,
+        "shared_with_paper": len(shared),
+        "missing_from_paper": [name for name in SELECTED if name not in names],
+        "not_in_paper": [name for name in names if name not in SELECTED],
+    }
+
+
+def train(dataset: pd.DataFrame, target: str, name: str, **options) -> dict:
+    """Outputs of the rule by name; arguments of `abradem.learning.rows.learning_table` and `fit_selection`."""
+    rows = learning_table(dataset, target, name, FEWEST_ROWS)
+    selection, summary = fit_selection(rows, **options)
+    return {"selection": selection, "summary": summary}

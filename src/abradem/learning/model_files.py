@@ -1,0 +1,218 @@
+"""Models as files: numbers in safetensors, everything else in JSON, no code in either.
+
+A model is two files, ``<stem>.safetensors`` with its arrays and ``<stem>.json`` with what is
+needed to use and to judge it: features in order with units, scaler and training ranges, the
+target, the protocol, the hash of the rows and the scores. `load_model` reads all kinds:
+
+``linear``
+    y = coefficients . z, also for a regression on principal components.
+``trees``
+    Mean of one or more binary trees; a row goes left where feature <= threshold.
+``network``
+    Fully connected layers with rectified linear units between them.
+
+z are the features less their mean over their scale; the prediction is scaled back likewise.
+"""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from abradem.learning.rows import Scaler, Table
+from abradem.quantities import FEATURE_NAMES, quantity
+from abradem.store.files import TableError, read_arrays, read_json, write_arrays, write_json
+from abradem.store.tables import write_table
+
+KINDS = ("linear", "trees", "network")
+
+
+def about(
+    table: Table,
+    model: str,
+    protocol: str,
+    kind: str,
+    scalers: tuple[Scaler, Scaler],
+    rows: np.ndarray | None = None,
+    columns: np.ndarray | None = None,
+    **more,
+) -> dict:
+    """What the JSON file of a model says.
+
+    Parameters
+    ----------
+    table : Table
+    model, protocol : str
+    kind : {"linear", "trees", "network"}
+    scalers : pair of Scaler
+        Of the features used and of the target.
+    rows : ndarray of int, optional
+        Rows trained on, all if not given.
+    columns : ndarray of int, optional
+        Features used, all if not given.
+    more
+        Hyper-parameters, scores, words.
+    """
+    rows = np.arange(len(table.target)) if rows is None else rows
+    columns = np.arange(len(FEATURE_NAMES)) if columns is None else columns
+    of_features, of_target = scalers
+    features = []
+    for place, column in enumerate(columns):
+        row, values = quantity(FEATURE_NAMES[column]), table.features[rows, column]
+        features.append(
+            {
+                "symbol": row.symbol,
+                "name": row.name,
+                "unit": row.unit,
+                "mean": of_features.mean[place],
+                "scale": of_features.scale[place],
+                "training_range": [values.min(), values.max()],
+            }
+        )
+    return {
+        "model": model,
+        "protocol": protocol,
+        "table": table.name,
+        "kind": kind,
+        "features": features,
+        "target": {
+            "name": table.target_name,
+            "unit": table.unit,
+            "mean": of_target.mean,
+            "scale": of_target.scale,
+        },
+        "training_rows": len(rows),
+        "dataset_hash": table.hash,
+        **more,
+    }
+
+
+def write_model(description: dict, arrays: dict[str, np.ndarray], path: str | Path) -> None:
+    """Write ``description`` to ``path`` (JSON) and ``arrays`` beside it (safetensors)."""
+    write_arrays(arrays, Path(path).with_suffix(".safetensors"))
+    write_json(description, path)
+
+
+class Model:
+    """A model read from its files.
+
+    Attributes
+    ----------
+    description : dict
+    arrays : dict of str to ndarray
+    """
+
+    def __init__(self, description: dict, arrays: dict[str, np.ndarray]):
+        if description.get("kind") not in KINDS:
+            raise TableError(f"kind {description.get('kind')!r} is unknown; known: {KINDS}")
+        self.description = description
+        self.arrays = arrays
+
+    def predict(self, rows: pd.DataFrame) -> np.ndarray:
+        """Target of rows that hold the model's features; warns outside the training ranges."""
+        features = self.description["features"]
+        missing = [feature["name"] for feature in features if feature["name"] not in rows]
+        if missing:
+            raise TableError(f"rows: lack column {', '.join(missing)}")
+        x = rows[[feature["name"] for feature in features]].to_numpy(dtype=float)
+        for values, feature in zip(x.T, features, strict=True):
+            low, high = feature["training_range"]
+            # Not a number lies nowhere.
+            beyond = int(np.sum(~((values >= low) & (values <= high))))
+            if beyond:
+                warnings.warn(
+                    f"{feature['name']}: {beyond} of {len(values)} values lie outside the "
+                    f"training range {low:g} ... {high:g} {feature['unit']}",
+                    stacklevel=2,
+                )
+        mean, scale = (np.array([f[name] for f in features]) for name in ("mean", "scale"))
+        target = self.description["target"]
+        return target["mean"] + target["scale"] * self._scaled((x - mean) / scale)
+
+    def _scaled(self, z: np.ndarray) -> np.ndarray:
+        arrays = self.arrays
+        if self.description["kind"] == "linear":
+            return z @ arrays["coefficients"]
+        if self.description["kind"] == "trees":
+            return predict_trees(arrays, z)
+        return predict_network(arrays, z)
+
+
+def load_model(path: str | Path) -> Model:
+    """Read a model from its JSON file and the safetensors file beside it."""
+    return Model(read_json(path), read_arrays(Path(path).with_suffix(".safetensors")))
+
+
+def predict_network(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
+    """Output of the layers ``weights_0`` (in, out), ``biases_0`` (out,), ... for scaled rows."""
+    layer, values = 0, z.astype(np.float32)
+    while f"weights_{layer}" in arrays:
+        values = np.maximum(values, 0.0) if layer else values
+        values = values @ arrays[f"weights_{layer}"] + arrays[f"biases_{layer}"]
+        layer += 1
+    return values[:, 0].astype(float)
+
+
+def tree_arrays(trees: list) -> dict[str, np.ndarray]:
+    """Nodes of fitted scikit-learn trees, one after the other; ``root`` holds the first of each.
+
+    ``left`` and ``right`` are numbers of nodes in these arrays, -1 at a leaf.
+    """
+    parts: dict[str, list] = {name: [] for name in ("feature", "threshold", "left", "right")}
+    values, roots, first = [], [], 0
+    for tree in (estimator.tree_ for estimator in trees):
+        inner = tree.children_left >= 0
+        parts["feature"].append(np.where(inner, tree.feature, -1))
+        parts["threshold"].append(np.where(inner, tree.threshold, 0.0))
+        parts["left"].append(np.where(inner, tree.children_left + first, -1))
+        parts["right"].append(np.where(inner, tree.children_right + first, -1))
+        values.append(tree.value[:, 0, 0])
+        roots.append(first)
+        first += tree.node_count
+    arrays = {name: np.concatenate(part) for name, part in parts.items()}
+    for name in ("feature", "left", "right"):
+        arrays[name] = arrays[name].astype(np.int64)
+    return {**arrays, "value": np.concatenate(values), "root": np.array(roots, dtype=np.int64)}
+
+
+def predict_trees(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
+    """Mean prediction of the trees of `tree_arrays` for standardised rows."""
+    # scikit-learn compares in single precision.
+    z = z.astype(np.float32)
+    total = np.zeros(len(z))
+    rows = np.arange(len(z))
+    for root in arrays["root"]:
+        node = np.full(len(z), root)
+        while (inner := arrays["left"][node] >= 0).any():
+            at = node[inner]
+            lower = z[rows[inner], arrays["feature"][at]] <= arrays["threshold"][at]
+            node[inner] = np.where(lower, arrays["left"][at], arrays["right"][at])
+        total += arrays["value"][node]
+    return total / len(arrays["root"])
+
+
+def write_stage(outputs, /, **results) -> None:
+    """Write what a stage of the learning found, each to the path of its name.
+
+    Parameters
+    ----------
+    outputs : mapping of str to path
+        A model (a pair of description and arrays) needs ``<name>`` and ``<name>_arrays``.
+    results : DataFrame (a table), dict (JSON) or pair (a model)
+    """
+    paths = dict(outputs)
+    for name, result in results.items():
+        path = paths.pop(name)
+        if isinstance(result, pd.DataFrame):
+            write_table(result, path)
+        elif isinstance(result, dict):
+            write_json(result, path)
+        else:
+            if Path(paths.pop(f"{name}_arrays")) != Path(path).with_suffix(".safetensors"):
+                raise ValueError(f"the arrays of {name} must stand beside {path}")
+            write_model(*result, path)
+    if paths:
+        raise ValueError(f"nothing to write to {', '.join(map(str, paths.values()))}")

@@ -1,0 +1,188 @@
+"""From the Gaussian process to a network small enough for anywhere.
+
+The process needs all its rows for a prediction; a network of a few thousand weights does not.
+It is trained on what the process says at many points drawn evenly within the training ranges
+(knowledge distillation; Hinton, Vinyals and Dean 2015, arXiv:1503.02531), where labels cost
+nothing and carry no noise. A second network learns the logarithm of the process's standard
+deviation.
+
+The surrogate has a score of its own: on some of the study's splits the process is fitted to the
+training rows, distilled, and the *network* is scored on the test rows.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from abradem.learning.evaluation import Results
+from abradem.learning.network import Network, Training, start, train
+from abradem.learning.physical.gaussian_process import GaussianProcess
+from abradem.learning.physical.models import PROCESS, fitted, makers
+from abradem.learning.physical.problem import Problem
+from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
+from abradem.learning.rows import constant, standard_scaler
+from abradem.learning.scores import scores_of
+from abradem.quantities import SAMPLED, SAMPLED_NAMES
+from abradem.surrogate.groups import GROUP_NAMES, group_matrix, wear_scale
+from abradem.surrogate.model import Surrogate
+
+MODEL = "surrogate"
+
+SPREAD_HIDDEN = (32,)
+"""The standard deviation is smooth and needs no precision."""
+
+SCHEDULE = ((0.45, 64, 3e-3), (0.3, 128, 1e-3), (0.25, 256, 3e-4))
+"""Share of the epochs, rows of a mini-batch, step of the optimiser: larger and calmer."""
+
+CHECKED = 2000
+"""Points, not trained on, at which network and process are compared."""
+
+
+class Settings(NamedTuple):
+    """Points of the distillation, neurons of the hidden layers, passes over the points."""
+
+    points: int = 20_000
+    hidden: tuple[int, ...] = (64, 64)
+    epochs: int = 40
+
+
+def distil(
+    process: GaussianProcess, given: Problem, settings: Settings, seed: int = 0
+) -> tuple[dict[str, np.ndarray], dict]:
+    """Networks that repeat a process.
+
+    Returns
+    -------
+    arrays : dict of str to ndarray
+        What `abradem.surrogate.model.Surrogate` reads, without the conformal scores.
+    error : dict
+        ``rms`` and ``largest`` difference from the process, relative, at fresh points.
+    """
+    low, high = given.inputs.min(axis=0), given.inputs.max(axis=0)
+    groups = _points(low, high, settings.points, seed, given)
+    mean, deviation = process.predict_with_deviation(groups)
+    scaler = standard_scaler(groups)
+    z = scaler.forward(groups)
+    networks = {
+        "mean": _trained(z, mean, settings.hidden, settings.epochs, seed),
+        "spread": _trained(z, np.log(deviation), SPREAD_HIDDEN, settings.epochs // 2 + 1, seed),
+    }
+    fresh = _points(low, high, CHECKED, seed + 1, given)
+    away = np.abs(networks["mean"].predict(scaler.forward(fresh)) - process.predict(fresh))
+    arrays = {"group_mean": scaler.mean, "group_scale": scaler.scale}
+    for name, network in networks.items():
+        arrays.update({f"{name}_{key}": array for key, array in network.arrays().items()})
+    return arrays, {"rms": float(np.sqrt(np.mean(away**2))), "largest": float(away.max())}
+
+
+def surrogate_of(
+    given: Problem,
+    process: GaussianProcess,
+    conformal: np.ndarray,
+    settings: Settings,
+    results: Results,
+    confidence: float = 0.95,
+    seed: int = 0,
+) -> tuple[dict, dict[str, np.ndarray]]:
+    """Description and arrays of the surrogate of a study.
+
+    Parameters
+    ----------
+    given : Problem
+    process : GaussianProcess
+        Fitted to all rows.
+    conformal : ndarray
+        Held-out scores of `abradem.learning.physical.intervals.calibrate`.
+    settings : Settings
+    results : Results
+        Of `evaluate_surrogate`, the score of its own.
+    confidence : float
+        Central share of the splits that the scores state.
+    seed : int
+    """
+    arrays, error = distil(process, given, settings, seed)
+    arrays["conformal"] = np.sort(conformal)
+    return _describe(given, error, settings, results, confidence), arrays
+
+
+def evaluate_surrogate(
+    given: Problem,
+    settings: Settings,
+    test_share: float = 0.2,
+    repeats: int = 5,
+    seed: int = 0,
+) -> Results:
+    """Scores of distilled networks on the test rows of the first ``repeats`` splits."""
+    results = Results(given.table)
+    make = makers(seed)[PROCESS]
+    splits = repeated_splits(given.table.keys, test_share, repeats, seed)
+    for repeat, (rows, test) in enumerate(splits):
+        process = fitted(make, given, rows)
+        arrays, _ = distil(process, given._replace(inputs=given.inputs[rows]), settings, seed)
+        arrays["conformal"] = np.sort(np.abs(process.residuals) / process.deviations)
+        description = _describe(given, {}, settings, None, 0.95)
+        predicted = Surrogate(description, arrays).predict(
+            dict(zip(SAMPLED_NAMES, given.inputs[test].T, strict=True))
+        )
+        # The surrogate's scale is in the headline's unit, as that of the problem.
+        floor = float(given.table.target[rows].min())
+        results.add(MODEL, LEAKAGE_FREE, "test", repeat, test, predicted.rate, floor)
+    return results
+
+
+def _describe(given: Problem, error: dict, settings: Settings, results, confidence) -> dict:
+    low, high = given.inputs.min(axis=0), given.inputs.max(axis=0)
+    return {
+        "model": MODEL,
+        "kind": "surrogate",
+        "protocol": LEAKAGE_FREE,
+        "distilled_from": PROCESS,
+        "distillation_error": error,
+        "hidden": list(settings.hidden),
+        "points": settings.points,
+        "table": given.table.name,
+        "training_rows": len(given.table.target),
+        "dataset_hash": given.table.hash,
+        "jet": given.jet._asdict(),
+        "groups": list(GROUP_NAMES),
+        "features": [
+            {
+                "symbol": row.symbol,
+                "name": row.name,
+                "unit": row.unit,
+                "training_range": [float(low[place]), float(high[place])],
+            }
+            for place, row in enumerate(SAMPLED)
+        ],
+        "target": {"name": given.table.target_name, "unit": given.table.unit},
+        "scores": {}
+        if results is None
+        else scores_of(results.scores, MODEL, LEAKAGE_FREE, confidence),
+    }
+
+
+def _points(low, high, count: int, seed: int, given: Problem) -> np.ndarray:
+    """Groups of cases spread evenly over the ranges."""
+    from scipy.stats import qmc
+
+    unit = qmc.LatinHypercube(len(SAMPLED_NAMES), rng=np.random.default_rng(seed)).random(count)
+    values = dict(zip(SAMPLED_NAMES, (low + unit * (high - low)).T, strict=True))
+    # A particle that neither starts with a velocity nor falls has no wear number.
+    possible = wear_scale(values, given.jet) > 0.0
+    return group_matrix({name: column[possible] for name, column in values.items()}, given.jet)
+
+
+def _trained(z: np.ndarray, target: np.ndarray, hidden, epochs: int, seed: int) -> Network:
+    """A network in standardised groups whose output is the target itself."""
+    spread = 1.0 if constant(target[:, None])[0] else float(target.std())
+    centre = float(target.mean())
+    network = start(z.shape[1], tuple(hidden), seed)
+    for place, (share, batch, rate) in enumerate(SCHEDULE):
+        training = Training(max(1, round(share * epochs)), batch, rate)
+        (network,) = train([network], [seed + place], z, (target - centre) / spread, training)
+    weights, biases = list(network.weights), list(network.biases)
+    weights[-1] = weights[-1] * np.float32(spread)
+    biases[-1] = biases[-1] * np.float32(spread) + np.float32(centre)
+    return Network(weights, biases)

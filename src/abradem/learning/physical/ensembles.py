@@ -1,0 +1,103 @@
+"""Boosted trees and an ensemble of networks on the logarithm of the wear number.
+
+Both take groups (n, p), target and standard errors, as the other models of this package do; the
+weight of a row is 1 / (floor^2 + error^2), scaled to mean 1.
+
+Boosting adds small trees, each fitted to what the ones before left on a random half of the rows
+(Friedman 2002, Comput. Stat. Data Anal. 38:367). The ensemble is the mean of networks that
+differ in start weights and in the order of rows: what they disagree on averages out
+(Lakshminarayanan, Pritzel and Blundell 2017, NeurIPS).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abradem.learning.network import Training, start, train
+from abradem.learning.rows import standard_scaler
+
+ERROR_FLOOR = 0.02
+"""Relative error below which rows count alike."""
+
+
+class Boosting:
+    """Gradient-boosted trees.
+
+    Parameters
+    ----------
+    trees : int
+    depth : int
+        Splits along a branch, the number of groups that may act together.
+    learning_rate : float
+    seed : int
+    """
+
+    def __init__(self, trees: int = 400, depth: int = 4, learning_rate: float = 0.05, seed=0):
+        self.trees, self.depth, self.learning_rate, self.seed = trees, depth, learning_rate, seed
+
+    def fit(self, x: np.ndarray, target: np.ndarray, error: np.ndarray) -> Boosting:
+        from sklearn.ensemble import GradientBoostingRegressor
+
+        self._model = GradientBoostingRegressor(
+            n_estimators=self.trees,
+            max_depth=self.depth,
+            learning_rate=self.learning_rate,
+            subsample=0.5,
+            min_samples_leaf=2,
+            random_state=self.seed % 2**32,
+        ).fit(x, target, _weights(error))
+        return self
+
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        return self._model.predict(x)
+
+
+class Networks:
+    """Mean of small networks.
+
+    Parameters
+    ----------
+    members : int
+    hidden : tuple of int
+        Neurons of the layers.
+    steps : int
+        Mini-batches that each member is trained on, whatever the number of rows.
+    batch : int
+    learning_rate : float
+        Of the first half of the steps; a fifth of it in the second.
+    seed : int
+    """
+
+    def __init__(
+        self,
+        members: int = 4,
+        hidden: tuple[int, ...] = (64, 64),
+        steps: int = 2000,
+        batch: int = 32,
+        learning_rate: float = 3e-3,
+        seed: int = 0,
+    ):
+        self.members, self.hidden, self.steps = members, hidden, steps
+        self.batch, self.learning_rate, self.seed = batch, learning_rate, seed
+
+    def fit(self, x: np.ndarray, target: np.ndarray, error: np.ndarray) -> Networks:
+        self._of_x, self._of_t = standard_scaler(x), standard_scaler(target)
+        z, t = self._of_x.forward(x), self._of_t.forward(target)
+        epochs = max(1, round(0.5 * self.steps * self.batch / len(t)))
+        self._nets = []
+        for member in range(self.members):
+            net = start(z.shape[1], self.hidden, self.seed + member)
+            for half, rate in enumerate((self.learning_rate, 0.2 * self.learning_rate)):
+                training = Training(epochs, self.batch, rate)
+                (net,) = train([net], [self.seed + member + 1000 * half], z, t, training)
+            self._nets.append(net)
+        return self
+
+    def predict(self, x: np.ndarray) -> np.ndarray:
+        z = self._of_x.forward(x)
+        return self._of_t.back(np.mean([net.predict(z) for net in self._nets], axis=0))
+
+
+def _weights(error: np.ndarray) -> np.ndarray:
+    weight = 1.0 / (ERROR_FLOOR**2 + error**2)
+    return weight / weight.mean()

@@ -1,0 +1,159 @@
+"""The four models on dimensionless groups: their scores, their fits, every target."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+
+from abradem.learning.evaluation import Results
+from abradem.learning.physical.ensembles import Boosting, Networks
+from abradem.learning.physical.gaussian_process import GaussianProcess
+from abradem.learning.physical.power_law import PowerLaw
+from abradem.learning.physical.problem import Problem, problem
+from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
+from abradem.learning.scores import r2, scores_of
+from abradem.quantities import WEAR_COLUMNS
+from abradem.surrogate.groups import GROUP_NAMES, Jet
+
+POWER_LAW, PROCESS, BOOSTING, NETWORKS = MODELS = (
+    "power_law", "gaussian_process", "boosting", "networks",
+)  # fmt: skip
+
+
+BEST = PROCESS
+
+
+def makers(seed: int, boosting: dict | None = None, networks: dict | None = None) -> dict:
+    """Constructors of the four models, by name."""
+    return {
+        POWER_LAW: PowerLaw,
+        PROCESS: lambda: GaussianProcess(seed),
+        BOOSTING: lambda: Boosting(**(boosting or {}), seed=seed),
+        NETWORKS: lambda: Networks(**(networks or {}), seed=seed),
+    }
+
+
+def fitted(make: Callable, given: Problem, rows: np.ndarray):
+    """A model fitted to some rows of a problem."""
+    return make().fit(given.groups[rows], given.log_number[rows], given.error[rows])
+
+
+def evaluate(
+    given: Problem,
+    models: dict[str, Callable],
+    test_share: float = 0.2,
+    repeats: int = 20,
+    seed: int = 0,
+) -> Results:
+    """Scores of models on the test rows of repeated splits; each sees training rows alone."""
+    results = Results(given.table)
+    splits = list(repeated_splits(given.table.keys, test_share, repeats, seed))
+    for name, make in models.items():
+        for repeat, (train, test) in enumerate(splits):
+            model = fitted(make, given, train)
+            floor = float(given.table.target[train].min())
+            for split, rows in (("train", train), ("test", test)):
+                wear = given.wear(rows, model.predict(given.groups[rows]))
+                results.add(
+                    name, LEAKAGE_FREE, split, repeat, rows, wear, floor, keep=split == "test"
+                )
+    return results
+
+
+def fit_physical(
+    given: Problem,
+    models: dict[str, Callable],
+    test_share: float = 0.2,
+    repeats: int = 20,
+    seed: int = 0,
+    confidence: float = 0.95,
+) -> tuple[Results, pd.DataFrame, dict, tuple[dict, dict]]:
+    """Scores of the models, and power law and Gaussian process of all rows.
+
+    Returns
+    -------
+    results : Results
+    exponents : pandas.DataFrame
+        See `PowerLaw.exponents`.
+    summary : dict
+        ``equation``, ``equation_tex`` and ``scatter`` of the power law; ``lengths`` of the
+        process (in standard deviations of each group), its ``noise``, and ``outliers``, the rows
+        whose weight fell below a half; ``scores`` of each model.
+    process : tuple of dict
+        Description and arrays of the Gaussian process.
+    """
+    results = evaluate(given, models, test_share, repeats, seed)
+    everything = np.arange(len(given.log_number))
+    law = fitted(models[POWER_LAW], given, everything)
+    process = fitted(models[PROCESS], given, everything)
+    scores = {name: scores_of(results.scores, name, LEAKAGE_FREE, confidence) for name in models}
+    # Of a table that was thinned the weights belong to other rows.
+    doubted = process.weights < 0.5 if len(process.weights) == len(everything) else []
+    summary = {
+        "equation": law.equation(),
+        "equation_tex": law.equation_tex(),
+        "scatter": law.scatter,
+        "lengths": dict(zip(GROUP_NAMES, process.lengths, strict=True)),
+        "noise": process.noise,
+        "outliers": [int(key) for key in given.table.keys[np.flatnonzero(doubted)]],
+        "raised": given.raised,
+        "scores": scores,
+    }
+    description = {
+        "model": PROCESS,
+        "kind": "gaussian_process",
+        "protocol": LEAKAGE_FREE,
+        "table": given.table.name,
+        "training_rows": len(everything),
+        "dataset_hash": given.table.hash,
+        "groups": list(GROUP_NAMES),
+        "jet": given.jet._asdict(),
+        "target": {"name": given.table.target_name, "unit": given.table.unit},
+        "scores": scores[PROCESS],
+    }
+    return results, law.exponents(), summary, (description, process.arrays())
+
+
+def all_targets(
+    dataset: pd.DataFrame,
+    jet: Jet,
+    models: dict[str, Callable],
+    test_share: float = 0.2,
+    repeats: int = 5,
+    seed: int = 0,
+    confidence: float = 0.95,
+) -> pd.DataFrame:
+    """R2 of every target that the data set holds: each wear measure, each statistic over the plate.
+
+    Returns
+    -------
+    pandas.DataFrame
+        target, model, repeats, r2 (median over the splits, raw target), r2_lower, r2_upper,
+        r2_log (median, of ln y), raised (targets that were not positive).
+    """
+    tail = 50.0 * (1.0 - confidence)
+    rows = []
+    for target in WEAR_COLUMNS:
+        if target not in dataset or not (dataset[target] > 0.0).any():
+            continue
+        given = problem(dataset, jet, target)
+        y = given.table.target
+        for name, make in models.items():
+            raw, logarithmic = [], []
+            for train, test in repeated_splits(given.table.keys, test_share, repeats, seed):
+                predicted = fitted(make, given, train).predict(given.groups[test])
+                raw.append(r2(y[test], given.wear(test, predicted)))
+                logarithmic.append(
+                    r2(given.log_number[test] + np.log(given.scale[test]),
+                       predicted + np.log(given.scale[test]))
+                )  # fmt: skip
+            low, middle, high = np.percentile(raw, [tail, 50.0, 100.0 - tail])
+            rows.append(
+                (target, name, repeats, middle, low, high, np.median(logarithmic), given.raised)
+            )
+    columns = [
+        "target", "model", "repeats", "r2", "r2_lower", "r2_upper", "r2_log", "raised",
+    ]  # fmt: skip
+    return pd.DataFrame(rows, columns=columns)

@@ -1,0 +1,137 @@
+"""How far the models carry: with fewer cases, and beyond the ranges they learned from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from abradem.learning.physical.intervals import held_out_scores
+from abradem.learning.physical.models import PROCESS, fitted
+from abradem.learning.physical.problem import Problem
+from abradem.learning.protocols import folds, repeated_splits
+from abradem.learning.scores import r2, score
+from abradem.quantities import SAMPLED_NAMES
+from abradem.surrogate.model import conformal_quantile
+
+SMALLEST = 25
+"""Training rows that a learning curve begins with."""
+
+FEWEST_TRAINED, FEWEST_TESTED = 8, 5
+"""Rows that a test of extrapolation needs."""
+
+LEVEL = 0.95
+"""Level of the intervals whose coverage beyond the ranges is told."""
+
+
+class Beyond(NamedTuple):
+    """Rows held out because one quantity is beyond a bound."""
+
+    name: str
+    quantity: str
+    words: str
+    outside: Callable[[np.ndarray], np.ndarray]
+
+
+TESTS = (
+    Beyond("fast", "particle_velocity_y", "faster than 8 m/s", lambda v: v < -8.0),
+    Beyond("steep", "plate_angle", "plate steeper than 60°", lambda a: a > 60.0),
+    Beyond("large", "particle_radius", "largest fifth of the particles",
+           lambda r: r > np.quantile(r, 0.8)),
+)  # fmt: skip
+
+
+def sizes(most: int) -> list[int]:
+    """Numbers of training rows, doubled from `SMALLEST`, the last being all."""
+    found = []
+    size = SMALLEST
+    while size < 0.75 * most:
+        found.append(size)
+        size *= 2
+    return [*found, most]
+
+
+def learning_curve(
+    given: Problem,
+    models: dict[str, Callable],
+    test_share: float = 0.2,
+    repeats: int = 10,
+    seed: int = 0,
+    confidence: float = 0.95,
+) -> pd.DataFrame:
+    """R2 on the same held-out rows for more and more training rows.
+
+    Returns
+    -------
+    pandas.DataFrame
+        model, trained, repeats, r2 (median over the splits, raw target), r2_lower, r2_upper.
+    """
+    y = given.table.target
+    splits = list(repeated_splits(given.table.keys, test_share, repeats, seed))
+    tail = 50.0 * (1.0 - confidence)
+    rows = []
+    for name, make in models.items():
+        for size in sizes(len(splits[0][0])):
+            found = []
+            for repeat, (train, test) in enumerate(splits):
+                kept = np.random.default_rng([seed, repeat, 1]).permutation(train)[:size]
+                model = fitted(make, given, np.sort(kept))
+                found.append(r2(y[test], given.wear(test, model.predict(given.groups[test]))))
+            low, middle, high = np.percentile(found, [tail, 50.0, 100.0 - tail])
+            rows.append((name, size, repeats, middle, low, high))
+    return pd.DataFrame(rows, columns=["model", "trained", "repeats", "r2", "r2_lower", "r2_upper"])
+
+
+def extrapolate(given: Problem, models: dict[str, Callable], seed: int = 0) -> pd.DataFrame:
+    """Scores on rows beyond a bound, of models that learned from the others.
+
+    Beside each stands the score on the same rows by cross-validation over all rows, what the
+    model is worth there when it has seen such cases.
+
+    Returns
+    -------
+    pandas.DataFrame
+        test, words, model, trained, tested, r2, mape, coverage (of the process's 95 % intervals,
+        nan of others), within_r2, within_mape.
+    """
+    y = given.table.target
+    everything = np.arange(len(y))
+    rows = []
+    for test in TESTS:
+        column = given.inputs[:, SAMPLED_NAMES.index(test.quantity)]
+        outside = test.outside(column)
+        held, train = everything[outside], everything[~outside]
+        if len(held) < FEWEST_TESTED or len(train) < FEWEST_TRAINED:
+            continue
+        for name, make in models.items():
+            model = fitted(make, given, train)
+            predicted = model.predict(given.groups[held])
+            found = score(y[held], given.wear(held, predicted), float(y[train].min()))
+            coverage = np.nan
+            if name == PROCESS:
+                _, deviation = model.predict_with_deviation(given.groups[held])
+                observed = held_out_scores(given, train, seed=seed)
+                away = np.abs(given.log_number[held] - predicted) / deviation
+                coverage = float(np.mean(away <= conformal_quantile(observed, LEVEL)))
+            seen = _cross_validated(given, make, held, seed)
+            inside = score(y[held], seen, float(y[train].min()))
+            rows.append(
+                (test.name, test.words, name, len(train), len(held), found["R2"], found["MAPE"],
+                 coverage, inside["R2"], inside["MAPE"])
+            )  # fmt: skip
+    columns = [
+        "test", "words", "model", "trained", "tested", "r2", "mape", "coverage", "within_r2",
+        "within_mape",
+    ]  # fmt: skip
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _cross_validated(given: Problem, make: Callable, wanted: np.ndarray, seed: int) -> np.ndarray:
+    """Predicted wear of some rows, each by a model that did not see it."""
+    n = len(given.log_number)
+    predicted = np.empty(n)
+    for train, test in folds(n, 5, seed):
+        predicted[test] = fitted(make, given, train).predict(given.groups[test])
+    return given.wear(wanted, predicted[wanted])

@@ -1,0 +1,80 @@
+"""What the study printed, to compare with: scores, the linear equation, the features selected."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from abradem.learning.protocols import AS_PUBLISHED
+from abradem.quantities import FEATURE_NAMES, quantity
+
+INTERCEPT = -0.019
+EQUATION = (
+    0.380, 0.164, -0.130, 0.001, 1.64, -1.59, -0.123, -0.071, 0.29, -0.035,
+    -0.034, 0.394, 0.246, -0.020, 0.255, -0.653, -0.218, -0.376, -0.193, -0.039,
+)  # fmt: skip
+"""Printed coefficients of X1 to X20 in standardised variables."""
+
+SELECTED = (
+    "particle_youngs_modulus", "particle_shear_modulus", "particle_poisson_ratio",
+    "equipment_youngs_modulus", "equipment_shear_modulus", "equipment_poisson_ratio",
+    "restitution", "archard_constant", "plate_angle", "particle_radius", "particle_velocity_y",
+    "damping_coefficient",
+)  # fmt: skip
+"""The 12 features that its networks use."""
+
+NETWORK = (449, 24, 500, 385)
+"""Hidden layers of its best network."""
+
+SCORES = {
+    "linear": (0.68, "test rows, scaler fitted on all rows"),
+    "lasso": (0.68, "about; a refit on the full table gives 0.639"),
+    "ridge": (0.68, "about; a refit on the full table gives 0.682"),
+    "pca_wrong_target": (-0.21, "explains the last component instead of the wear"),
+    "tree": (0.2, "at depth 1 or 2; 0.58 elsewhere in the text"),
+    "ga_ann": (0.91, "best of hundreds of looks at the test rows"),
+}
+"""Printed R2 of each model, and what to know about it."""
+
+ROUNDING = 0.006
+"""Printed and refitted coefficients that differ by less agree: half a unit of the last printed
+digit, two decimals for some."""
+
+AGREE_ON_ITS_TABLE = 12
+"""So many of the 21 numbers agree only where the refit is on the study's own table."""
+
+
+def compare_equation(intercept: float, refit: np.ndarray) -> tuple[pd.DataFrame, bool]:
+    """The printed equation beside a refit by the same steps.
+
+    Parameters
+    ----------
+    intercept : float
+    refit : ndarray, shape (20,)
+        Intercept and coefficients in standardised variables, protocol as published.
+
+    Returns
+    -------
+    table : pandas.DataFrame
+        protocol, symbol, feature, printed, refitted, verdict: ``agrees``, ``misprinted sign``,
+        ``misprinted value``, or ``another table`` for all where the rows are not the study's.
+        The intercept comes first, without a symbol.
+    own : bool
+        Whether the refit looks like one on the study's own table.
+    """
+    printed, refit = np.array([INTERCEPT, *EQUATION]), np.array([intercept, *refit], dtype=float)
+    agrees = np.abs(printed - refit) < ROUNDING
+    mirrored = np.abs(printed + refit) < ROUNDING
+    own = int(agrees.sum()) >= AGREE_ON_ITS_TABLE
+    verdict = np.where(agrees, "agrees", np.where(mirrored, "misprinted sign", "misprinted value"))
+    table = pd.DataFrame(
+        {
+            "protocol": AS_PUBLISHED,
+            "symbol": ["", *(quantity(name).symbol for name in FEATURE_NAMES)],
+            "feature": ["intercept", *FEATURE_NAMES],
+            "printed": printed,
+            "refitted": refit,
+            "verdict": verdict if own else "another table",
+        }
+    )
+    return table, own

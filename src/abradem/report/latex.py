@@ -1,0 +1,465 @@
+r"""Tables (booktabs) and numbers for a LaTeX text, each with the place that it was read from.
+
+Every number is looked up in a file of the results by a short text, its *place*, and the same
+text stands behind it as a comment, so that it can be found again. In JSON and YAML a place is a
+path, ``models.0.r2``. In a table it is a column and the rows meant::
+
+    r2 where model=ga_ann, protocol=leakage_free, basis=fixed split
+    min wear_total_mean
+    count where status=ok
+
+with min, max, median, mean, sum or count before it where several rows are meant. ``numbers.tex``
+defines one macro for each number, such as ``\NumberOfCases``; macros hold letters only.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED, quantity
+from abradem.words.labels import LABELS
+
+MISSING = "--"
+"""Printed where there is no number."""
+
+DERIVATIONS = {
+    "particle_youngs_modulus": r"2 G_p (1 + \nu_p)",
+    "equipment_youngs_modulus": r"2 G_e (1 + \nu_e)",
+    "effective_youngs_modulus": r"\left[(1-\nu_p^2)/E_p + (1-\nu_e^2)/E_e\right]^{-1}",
+    "effective_shear_modulus": r"\left[(2-\nu_p)/G_p + (2-\nu_e)/G_e\right]^{-1}",
+    "damping_ratio": r"\ln e / \sqrt{\ln^2 e + \pi^2}",
+    "damping_coefficient": {
+        "table": r"2\sqrt{5/6}\,\xi\sqrt{m k},\ k = \frac43 E^* R",
+        "printed": r"-2\,\xi\sqrt{m k},\ k = \frac43 E^* R",
+    },
+}
+"""Formulas of the derived features, see `abradem.dataset.features`."""
+
+_UNITS = {"1": "", "kg/m3": r"kg/m\textsuperscript{3}", "deg": r"\textdegree", "%": r"\%"}
+
+_AGGREGATES = {
+    "min": np.min,
+    "max": np.max,
+    "median": np.median,
+    "mean": np.mean,
+    "sum": np.sum,
+}
+
+
+class PlaceError(ValueError):
+    """A place that a file does not hold; the message is one line."""
+
+
+class Number(NamedTuple):
+    """A number as printed, and where it was read.
+
+    Attributes
+    ----------
+    text : str
+        LaTeX.
+    file, place : str
+        The file, from the study's folder, and the place in it.
+    percent : bool
+        Whether it is printed times 100.
+    """
+
+    text: str
+    file: str
+    place: str
+    percent: bool = False
+
+    @property
+    def source(self) -> str:
+        """What the comment says."""
+        return f"{self.file}: {self.place}{' [x 100]' if self.percent else ''}"
+
+
+@dataclass(frozen=True)
+class Results:
+    """The files of a study that numbers are read from.
+
+    Parameters
+    ----------
+    files : mapping of str to DataFrame or plain data
+        Tables and the content of JSON and YAML files, by their path from the study's folder.
+    """
+
+    files: Mapping[str, object]
+
+    def value(self, file: str, place: str):
+        """The value at a place; raises `PlaceError` if there is none, or more than one."""
+        return lookup(self.files[file], place, file)
+
+    def number(self, file: str, place: str, form: str = "3s", percent: bool = False) -> Number:
+        """The number at a place as printed, see `printed`."""
+        value = self.value(file, place)
+        shown = 100.0 * value if percent and isinstance(value, (int, float)) else value
+        return Number(printed(shown, form), file, place, percent)
+
+
+def lookup(data, place: str, file: str = "results"):
+    """The value at a place, see the module.
+
+    Parameters
+    ----------
+    data : pandas.DataFrame or plain data
+    place : str
+    file : str
+        Named in errors.
+    """
+    if isinstance(data, pd.DataFrame):
+        return _in_table(data, place, file)
+    found = data
+    for key in place.split("."):
+        try:
+            found = found[int(key)] if isinstance(found, (list, tuple)) else found[key]
+        except (KeyError, IndexError, ValueError, TypeError):
+            raise PlaceError(f"{file}: {place}: there is no {key!r}") from None
+    return found
+
+
+def _in_table(table: pd.DataFrame, place: str, file: str):
+    what, _, where = place.partition(" where ")
+    if what.startswith("count where "):
+        what, where = "count", what.removeprefix("count where ")
+    rows = table
+    for condition in filter(None, where.split(", ")):
+        name, _, wanted = condition.partition("=")
+        if name not in rows:
+            raise PlaceError(f"{file}: {place}: there is no column {name!r}")
+        rows = rows[rows[name].map(str) == wanted]
+    if what == "count":
+        return len(rows)
+    aggregate, _, column = what.rpartition(" ")
+    if column not in rows:
+        raise PlaceError(f"{file}: {place}: there is no column {column!r}")
+    values = rows[column].dropna() if aggregate else rows[column]
+    if aggregate and aggregate not in _AGGREGATES:
+        raise PlaceError(f"{file}: {place}: {aggregate!r} is none of {', '.join(_AGGREGATES)}")
+    if aggregate:
+        return float(_AGGREGATES[aggregate](values)) if len(values) else math.nan
+    if len(values) != 1:
+        raise PlaceError(f"{file}: {place}: {len(values)} rows, one is meant")
+    value = values.iloc[0]
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def printed(value, form: str) -> str:
+    """A value as LaTeX.
+
+    Parameters
+    ----------
+    value : number, str or list
+        None and nan are printed as a dash, lists with dashes between their items.
+    form : str
+        ``d`` for whole numbers, ``2f`` for two decimals, ``3s`` for three digits whatever they
+        are, ``3g`` for three without zeros at the end, ``text``; large and small numbers get a
+        power of ten.
+    """
+    if isinstance(value, (list, tuple)):
+        return "-".join(printed(item, form) for item in value)
+    if form == "text" or isinstance(value, str):
+        return escaped(str(value))
+    if value is None or not math.isfinite(value):
+        return MISSING
+    if form == "d":
+        if value != int(value):
+            raise ValueError(f"{value!r} is no whole number")
+        return _signed(f"{int(value):d}")
+    digits, kind = int(form[:-1]), form[-1]
+    if kind == "f" and abs(value) < 1e4:
+        # Minus zero is zero.
+        return _signed(f"{round(value, digits) + 0.0:.{digits}f}")
+    text = f"{value:.{digits}g}"
+    if kind == "s":
+        plain = value == 0.0 or 1e-2 <= abs(value) < 1e4
+        text = f"{value:#.{digits}g}".rstrip(".") if plain else f"{value:.{digits - 1}e}"
+    if "e" not in text:
+        return _signed(text)
+    mantissa, power = text.split("e")
+    return rf"\ensuremath{{{mantissa}\times10^{{{int(power)}}}}}"
+
+
+def _signed(text: str) -> str:
+    return rf"\ensuremath{{{text}}}" if text.startswith("-") else text
+
+
+def parsed(text: str) -> float:
+    """The number that `printed` printed; nan for a dash."""
+    if text == MISSING:
+        return math.nan
+    plain = text.removeprefix(r"\ensuremath{")
+    plain = plain.removesuffix("}") if plain != text else plain
+    power = re.fullmatch(r"(-?[\d.]+)\\times10\^\{(-?\d+)\}", plain)
+    return float(f"{power[1]}e{power[2]}") if power else float(plain)
+
+
+def resolution(text: str) -> float:
+    """Half of the last printed digit of a number: how far it may be from its source."""
+    plain = re.sub(r"\\ensuremath\{|[{}]", "", text)
+    mantissa, _, power = plain.partition(r"\times10^")
+    decimals = len(mantissa.partition(".")[2])
+    return 0.5 * 10.0 ** ((int(power) if power else 0) - decimals)
+
+
+def escaped(text: str) -> str:
+    """Text with the characters that LaTeX would take for commands."""
+    return re.sub(r"([&%$#_{}])", r"\\\1", text)
+
+
+def numbers_tex(numbers: Mapping[str, Number], study: str) -> str:
+    """The file of macros, one for each number, with the source of each."""
+    wrong = [name for name in numbers if not re.fullmatch(r"[A-Za-z]+", name)]
+    if wrong:
+        raise ValueError(f"macro {wrong[0]!r}: letters only")
+    lines = [f"% Numbers of the study {study}; files are those of results/{study}."]
+    lines += [
+        rf"\newcommand{{\{name}}}{{{number.text}}} % {number.source}"
+        for name, number in numbers.items()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def table_tex(
+    columns: str, head: Sequence[str], rows: Iterable[Sequence[str | Number]], study: str
+) -> str:
+    """A table in the style of booktabs; behind each row the sources of its numbers, in order.
+
+    Parameters
+    ----------
+    columns : str
+        Alignment of the columns, such as ``lrr``.
+    head : sequence of str
+    rows : iterable of sequence of str or Number
+    study : str
+    """
+    lines = [
+        f"% Table of the study {study}; files are those of results/{study}.",
+        rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}",
+        r"\toprule",
+        " & ".join(head) + r" \\",
+        r"\midrule",
+    ]
+    for row in rows:
+        if len(row) != len(head):
+            raise ValueError(f"row {row!r} has {len(row)} cells, the head {len(head)}")
+        cells = [cell.text if isinstance(cell, Number) else cell for cell in row]
+        sources = "; ".join(cell.source for cell in row if isinstance(cell, Number))
+        lines.append(" & ".join(cells) + r" \\" + (f" % {sources}" if sources else ""))
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
+
+
+def camel(name: str) -> str:
+    """A name as part of a macro: ``ga_ann`` becomes ``GaAnn``; other characters than letters go."""
+    return "".join(re.sub(r"[^A-Za-z]", "", part).capitalize() for part in name.split("_"))
+
+
+CONFIG, DATASET, SUMMARY = "config.yaml", "dataset.parquet", "summary.json"
+COMPARISON, BESIDE = "learning/comparison.parquet", "learning/beside_paper.parquet"
+SCORES, SELECTION = "learning/scores.parquet", "learning/selection.parquet"
+NETWORKS = {
+    protocol: f"learning/ga_ann_{protocol}.json" for protocol in ("as_published", "leakage_free")
+}
+CHECKS = "../verification/checks.parquet"
+
+_PROTOCOLS = {"as_published": "Published", "leakage_free": ""}
+
+
+def study_numbers(results: Results) -> dict[str, Number]:
+    """Macros of everything that a text on a study would cite, as far as the files hold it.
+
+    Parameters
+    ----------
+    results : Results
+        ``CONFIG``, ``DATASET``, ``SUMMARY``, ``COMPARISON``, ``BESIDE``, ``SCORES`` and
+        ``NETWORKS``; ``CHECKS`` where there was a verification.
+    """
+    number = results.number
+    simulated = results.value(SUMMARY, "external") is None
+    found = {
+        "StudyName": number(CONFIG, "study", "text"),
+        "Seed": number(CONFIG, "seed", "d"),
+        "NumberOfSplits": number(CONFIG, "learning.repeats", "d"),
+        "TestSharePercent": number(CONFIG, "learning.test_share", "4g", True),
+        "NumberOfCases": number(SUMMARY, "cases", "d"),
+        "NumberOfRows": number(DATASET, "count", "d"),
+        "WearRateMin": number(DATASET, f"min {results.value(SUMMARY, 'target')}"),
+        "WearRateMax": number(DATASET, f"max {results.value(SUMMARY, 'target')}"),
+        "WearRateMedian": number(DATASET, f"median {results.value(SUMMARY, 'target')}"),
+    }
+    if simulated:
+        found |= {
+            "NumberOfFailures": number(SUMMARY, "failures", "d"),
+            "CasesWithoutFlag": number(SUMMARY, "cases_without_flag", "d"),
+            "CasesWithGoodRsquared": number(SUMMARY, "cases_with_good_r2", "d"),
+            "GoodRsquared": number(SUMMARY, "good_r2", "2f"),
+            "MedianStandardErrorPercent": number(SUMMARY, "median_relative_stderr", "2g", True),
+            "SimulatedSeconds": number(DATASET, "sum simulated_time", "5g"),
+            **_of_configuration(results),
+        }
+    return found | _of_models(results) | _of_networks(results) | _of_verification(results)
+
+
+def _of_configuration(results: Results) -> dict[str, Number]:
+    plain = {
+        "NumberOfBlocks": "sampling.blocks",
+        "PlateLengthMm": "simulation.plate.length_mm",
+        "PlateWidthMm": "simulation.plate.width_mm",
+        "FacetSizeMm": "simulation.plate.facet_size_mm",
+        "PatchLengthMm": "simulation.factory.patch_length_mm",
+        "PatchWidthMm": "simulation.factory.patch_width_mm",
+        "FallHeightMm": "simulation.factory.fall_height_mm",
+        "FeedMassRate": "simulation.factory.mass_rate_kg_s",
+        "RayleighFraction": "simulation.time_step_rayleigh_fraction",
+        "WindowSeconds": "simulation.stop.window_s",
+        "LongestSeconds": "simulation.stop.max_time_s",
+        "TargetStandardError": "simulation.stop.target_stderr",
+    }
+    found = {name: results.number(CONFIG, place, "4g") for name, place in plain.items()}
+    for row in SAMPLED:
+        for index, end in enumerate(("Min", "Max")):
+            place = f"sampling.ranges.{row.config_key}.{index}"
+            found[camel(row.config_key) + end] = results.number(CONFIG, place, "4g")
+    return found
+
+
+def _of_models(results: Results) -> dict[str, Number]:
+    comparison = results.files[COMPARISON]
+    found = {}
+    for row in comparison.itertuples(index=False):
+        stem = f"Rsquared{camel(row.model)}{_PROTOCOLS.get(row.protocol, camel(row.protocol))}"
+        # The first basis of a model and protocol is the one that counts.
+        if stem in found:
+            continue
+        where = f"where model={row.model}, protocol={row.protocol}, basis={row.basis}"
+        for end, column in (("", "r2"), ("Lower", "r2_lower"), ("Upper", "r2_upper")):
+            found[stem + end] = results.number(COMPARISON, f"{column} {where}", "2f")
+    for row in results.files[BESIDE].itertuples(index=False):
+        if math.isfinite(row.printed_r2):
+            place = f"printed_r2 where model={row.model}"
+            found[f"Rsquared{camel(row.model)}Printed"] = results.number(BESIDE, place, "2f")
+    scores = results.files[SCORES]
+    for model in dict.fromkeys(scores.loc[scores["protocol"] == "leakage_free", "model"]):
+        for metric in ("RMSE", "MAE"):
+            where = f"where model={model}, protocol=leakage_free, split=test, metric={metric}"
+            name = f"{metric.capitalize()}{camel(model)}"
+            found[name] = results.number(SCORES, f"median value {where}")
+    return found
+
+
+def _of_networks(results: Results) -> dict[str, Number]:
+    found = {}
+    for protocol, file in NETWORKS.items():
+        stem = _PROTOCOLS[protocol]
+        found |= {
+            f"Architecture{stem}": results.number(file, "architecture", "d"),
+            f"BestFitness{stem}": results.number(file, "best_fitness", "2f"),
+            f"NetworksTrained{stem}": results.number(file, "networks_trained", "d"),
+        }
+    return found
+
+
+def _of_verification(results: Results) -> dict[str, Number]:
+    if CHECKS not in results.files:
+        return {}
+    return {
+        "VerificationChecks": results.number(CHECKS, "count", "d"),
+        "VerificationChecksThatHold": results.number(CHECKS, "count where verdict=holds", "d"),
+    }
+
+
+def quantities_tex(results: Results, study: str) -> str:
+    """Quantities: symbol, meaning, unit, and the sampled range or the formula."""
+    form = results.value(CONFIG, "features.damping_coefficient")
+    rows = []
+    for row in QUANTITIES:
+        unit = row.config_unit if row.kind == "sampled" else row.unit
+        head = [row.symbol, f"${LABELS[row.name].tex}$", LABELS[row.name].long_name, unit_tex(unit)]
+        if row.kind == "sampled":
+            ends = [
+                results.number(CONFIG, f"sampling.ranges.{row.config_key}.{index}", "4g")
+                for index in (0, 1)
+            ]
+            rows.append([*head, *ends, ""])
+        else:
+            formula = DERIVATIONS.get(row.name, "")
+            formula = formula[form] if isinstance(formula, dict) else formula
+            rows.append([*head, "", "", f"${formula}$" if formula else "simulated"])
+    head = ["", "Symbol", "Quantity", "Unit", "Least", "Most", "Derived from"]
+    return table_tex("llllrrl", head, rows, study)
+
+
+def features_tex(results: Results, study: str) -> str:
+    """Features: the span that the data set covers, and which ones the networks get."""
+    selection = results.files[SELECTION]
+    rows = []
+    for name in FEATURE_NAMES:
+        row = quantity(name)
+        marks = []
+        for protocol in ("as_published", "leakage_free"):
+            mine = selection[(selection["feature"] == name) & (selection["protocol"] == protocol)]
+            marks.append(_mark(bool((mine["chosen_by"] != "").any())))
+        listed = selection.loc[selection["feature"] == name, "in_paper"]
+        rows.append(
+            [
+                row.symbol, f"${LABELS[row.name].tex}$", LABELS[row.name].long_name, unit_tex(row.unit),
+                results.number(DATASET, f"min {name}"), results.number(DATASET, f"max {name}"),
+                _mark(bool(listed.any())), *marks,
+            ]
+        )  # fmt: skip
+    head = [
+        "",
+        "Symbol",
+        "Feature",
+        "Unit",
+        "Least",
+        "Most",
+        "Paper",
+        "As published",
+        "Leakage-free",
+    ]
+    return table_tex("llllrrccc", head, rows, study)
+
+
+def _mark(chosen: bool) -> str:
+    return r"$\bullet$" if chosen else ""
+
+
+def models_tex(results: Results, names: Mapping[str, str], study: str) -> str:
+    """R2 of all models: printed, by the steps as published, and leakage-free with its interval."""
+    rows = []
+    for row in results.files[BESIDE].itertuples(index=False):
+        cells = [
+            results.number(BESIDE, f"{column} where model={row.model}", "2f")
+            for column in (
+                "printed_r2", "as_published_r2", "leakage_free_r2", "leakage_free_lower", "leakage_free_upper",
+            )
+        ]  # fmt: skip
+        rows.append([escaped(names.get(row.model, row.model)), *cells, escaped(row.basis)])
+    head = ["Model", "Printed", "As published", "Leakage-free", "From", "To", "Interval over"]
+    return table_tex("lrrrrrl", head, rows, study)
+
+
+def verification_tex(results: Results, parts: Mapping[int, str], study: str) -> str:
+    """Checks of the verification study and how many hold, by part; without one, only the head."""
+    rows = []
+    if CHECKS in results.files:
+        for part in sorted(set(results.files[CHECKS]["part"])):
+            counts = [
+                results.number(CHECKS, f"count where part={part}{more}", "d")
+                for more in ("", ", verdict=holds")
+            ]
+            rows.append([escaped(parts[int(part)]), *counts])
+    return table_tex("lrr", ["Part", "Checks", "Hold"], rows, study)
+
+
+def unit_tex(unit: str) -> str:
+    """A unit of the table of quantities as LaTeX."""
+    return _UNITS.get(unit, unit)

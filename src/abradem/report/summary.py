@@ -1,0 +1,108 @@
+"""The numbers that a report on a study begins with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from abradem.dataset.join import reasons
+
+
+def study_summary(
+    dataset: pd.DataFrame,
+    failures: pd.DataFrame | None,
+    linear: Mapping,
+    comparison: pd.DataFrame,
+    good_r2: float,
+    external: str | None = None,
+) -> dict:
+    """Headline numbers of a study.
+
+    Parameters
+    ----------
+    dataset, failures : pandas.DataFrame
+        From `abradem.dataset.join.join`; of an external table there are no failures.
+    linear : mapping
+        Summary of the linear regression, see `abradem.learning.baselines.linear`.
+    comparison : pandas.DataFrame
+        From `abradem.learning.comparison.compare`.
+    good_r2 : float
+        R2 of a cumulative series from which it counts as good.
+    external : str, optional
+        Where the table came from, if it was not simulated.
+
+    Returns
+    -------
+    dict
+        ``external``, ``cases``, ``wear_range`` (mm/s), ``models`` (R2 on held-out rows, leakage-free:
+        model, r2, lower, upper, basis), ``misprints`` of the printed equation (None unless the
+        table is the paper's) and, of simulations, what `quality_counts` says, with
+        ``cases`` those drawn, ``simulated`` those in the data set, ``failures`` the others and
+        ``reasons`` how many of them for each kind of reason.
+    """
+    target = dataset[linear["target"]["name"]]
+    found = {
+        "external": external,
+        "cases": len(dataset),
+        "target": linear["target"]["name"],
+        "wear_range": [float(target.min()), float(target.max())],
+        "misprints": linear["misprints"],
+        "models": [
+            {
+                "model": row.model,
+                "r2": row.r2,
+                "lower": row.r2_lower,
+                "upper": row.r2_upper,
+                "basis": row.basis,
+            }
+            for row in comparison[comparison["protocol"] == "leakage_free"]
+            .drop_duplicates("model")
+            .itertuples(index=False)
+        ],
+    }
+    if failures is None:
+        return found
+    return {
+        **quality_counts(dataset, good_r2),
+        **found,
+        "cases": len(dataset) + len(failures),
+        "simulated": len(dataset),
+        "failures": len(failures),
+        "reasons": reasons(failures),
+    }
+
+
+def quality_counts(rates: pd.DataFrame, good_r2: float = 0.95) -> dict:
+    """How good the wear rates of a study are.
+
+    Parameters
+    ----------
+    rates : pandas.DataFrame
+        Holds case_id, wear_r2, wear_total_mean, wear_total_mean_stderr and quality (the
+        wear-rate tables and the dataset do).
+    good_r2 : float
+        Cases with at least this R2 of the cumulative series are counted.
+
+    Returns
+    -------
+    dict
+        ``cases``, ``good_r2`` (the limit), ``cases_with_good_r2``, ``cases_without_flag``,
+        ``flags`` (flag -> cases) and ``median_relative_stderr``.
+    """
+    flags: dict[str, int] = {}
+    for text in rates["quality"]:
+        for flag in text.split("+"):
+            flags[flag] = flags.get(flag, 0) + 1
+    unflagged = flags.pop("ok", 0)
+    relative = (rates["wear_total_mean_stderr"] / rates["wear_total_mean"]).to_numpy(dtype=float)
+    relative = relative[np.isfinite(relative)]
+    return {
+        "cases": len(rates),
+        "good_r2": good_r2,
+        "cases_with_good_r2": int((rates["wear_r2"] >= good_r2).sum()),
+        "cases_without_flag": unflagged,
+        "flags": dict(sorted(flags.items())),
+        "median_relative_stderr": float(np.median(relative)) if relative.size else np.nan,
+    }

@@ -1,0 +1,79 @@
+"""A LaTeX text with the tables, numbers and figures of a study, typeset to PDF."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from abradem.store.files import replacing
+
+PROGRAMS = ("latexmk", "tectonic", "pdflatex")
+"""Programs that can typeset, the most convenient first."""
+
+
+class TypesetError(ValueError):
+    """No LaTeX, or a text that it does not accept; the message is one line."""
+
+
+def find_program() -> str | None:
+    """The first of `PROGRAMS` that is installed."""
+    return next((name for name in PROGRAMS if shutil.which(name)), None)
+
+
+def typeset(text: str | Path, study: str | Path, output: str | Path) -> None:
+    r"""Typeset a text in which ``\study`` is the folder of a study's results.
+
+    Parameters
+    ----------
+    text : path-like
+        Such as ``paper/main.tex``.
+    study : path-like
+        Such as ``results/paper``; holds ``latex/`` and ``figures/``.
+    output : path-like
+        The PDF.
+
+    Raises
+    ------
+    TypesetError
+        If no LaTeX is installed, or it stops at an error.
+    """
+    program = find_program()
+    if program is None:
+        raise TypesetError(
+            f"no LaTeX is installed (looked for {', '.join(PROGRAMS)}); the tables and numbers in "
+            f"{study}/latex can be used elsewhere"
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        main = Path(folder, "main.tex")
+        main.write_text(
+            rf"\def\study{{{Path(study).resolve().as_posix()}}}"
+            rf"\input{{{Path(text).resolve().as_posix()}}}" + "\n",
+            encoding="utf-8",
+        )
+        for arguments in _commands(program):
+            done = subprocess.run(
+                [*arguments, main.name], cwd=folder, capture_output=True, text=True,
+                errors="replace", check=False, stdin=subprocess.DEVNULL,
+                # Dates of this run would make every file differ.
+                env={**os.environ, "SOURCE_DATE_EPOCH": "0", "FORCE_SOURCE_DATE": "1"},
+            )  # fmt: skip
+            if done.returncode:
+                lines = (done.stdout + done.stderr).splitlines()
+                first = next((line for line in lines if line.startswith("!") or "error:" in line),
+                             "no reason given")  # fmt: skip
+                raise TypesetError(f"{text}: {program} stopped: {first}")
+        with replacing(output) as sink:
+            sink.write(main.with_suffix(".pdf").read_bytes())
+
+
+def _commands(program: str) -> list[list[str]]:
+    quiet = ["-interaction=nonstopmode", "-halt-on-error"]
+    if program == "latexmk":
+        return [["latexmk", "-pdf", *quiet]]
+    if program == "tectonic":
+        return [["tectonic"]]
+    # Once for the labels, once with them.
+    return [["pdflatex", *quiet]] * 2

@@ -1,0 +1,200 @@
+"""Snapshots of a case for ParaView: particles and the worn plate as XML files of VTK.
+
+PolyData (``.vtp``) with a collection (``.pvd``) that gives the time of each file; arrays are
+little-endian, base64, with a header of eight bytes. Nothing but numpy is needed to write them.
+In ParaView, open ``particles.pvd`` and ``plate.pvd``; the filter Glyph with the glyph type Sphere
+(radius 1), scaled by ``radius``, shows the particles.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+import pandas as pd
+
+from abradem.dem.model import Setup
+from abradem.quantities import SAMPLED_NAMES, WEAR_MEASURES
+from abradem.store.files import TableError, write_text
+from abradem.wear.depths import depth_frames
+
+_TYPES = {"float64": "Float64", "int64": "Int64"}
+
+
+def case_values(cases: pd.DataFrame, case_id: int) -> dict[str, float]:
+    """The sampled quantities of one case of a table; raises `TableError` if it is not there."""
+    rows = cases[cases["case_id"] == case_id]
+    if len(rows) != 1:
+        raise TableError(f"case {case_id}: there is no such case")
+    return {name: float(rows[name].iloc[0]) for name in SAMPLED_NAMES}
+
+
+def write_vtk(
+    particles: pd.DataFrame,
+    wear: pd.DataFrame,
+    case: Mapping[str, float],
+    setup: Setup,
+    folder: str | Path,
+) -> None:
+    """Write the snapshots of a case, one file of particles and one of the plate for each time.
+
+    Parameters
+    ----------
+    particles, wear : pandas.DataFrame
+        As `abradem.simulation.snapshots` writes them.
+    case : mapping
+        Sampled quantities of the case; plate_angle (deg), particle_radius (m) and
+        archard_constant (1/Pa) are used.
+    setup : Setup
+    folder : path-like
+        Gets ``particles.pvd``, ``plate.pvd`` and the files they name. Particles carry ``id``,
+        ``radius`` (m), ``velocity`` (m/s) and ``spin`` (rad/s); facets carry the wear depth of
+        each wear measure, ``depth_<measure>`` (mm).
+    """
+    folder = Path(folder)
+    frames = {measure: depth_frames(wear, case, setup, measure) for measure in WEAR_MEASURES}
+    times = frames[WEAR_MEASURES[0]][0]
+    points, quads = plate_facets(case["plate_angle"], setup)
+    by_time = dict(tuple(particles.groupby("time")))
+    names = {"particles": [], "plate": []}
+    for index, time in enumerate(times):
+        rows = by_time.get(time, particles.iloc[:0])
+        texts = {
+            "particles": particles_vtp(rows, case["particle_radius"]),
+            "plate": polydata(
+                points,
+                quads,
+                "Polys",
+                cells={
+                    f"depth_{measure}": depth[index].ravel()
+                    for measure, (_, depth) in frames.items()
+                },
+            ),
+        }
+        for kind, text in texts.items():
+            names[kind].append(f"{kind}_{index:05d}.vtp")
+            write_text(text, folder / names[kind][-1])
+    for kind, files in names.items():
+        write_text(collection(times, files), folder / f"{kind}.pvd")
+
+
+def particles_vtp(rows: pd.DataFrame, radius: float) -> str:
+    """Particles at one time as PolyData of single points."""
+    count = len(rows)
+
+    def vectors(*columns: str) -> np.ndarray:
+        return rows[list(columns)].to_numpy(dtype=float)
+
+    return polydata(
+        vectors("x", "y", "z"),
+        np.arange(count)[:, None],
+        "Verts",
+        points_data={
+            "id": rows["particle"].to_numpy(dtype=np.int64),
+            "radius": np.full(count, float(radius)),
+            "velocity": vectors("vx", "vy", "vz"),
+            "spin": vectors("wx", "wy", "wz"),
+        },
+    )
+
+
+def plate_facets(angle: float, setup: Setup) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of the facets (m), shape (n, 3), and the four of each facet, shape (nx nz, 4).
+
+    Facets are in the order of a raveled wear map: along the length, then along the width.
+    """
+    nx, nz = setup.facets
+    along = np.linspace(-0.5, 0.5, nx + 1) * setup.plate_length
+    across = np.linspace(-0.5, 0.5, nz + 1) * setup.plate_width
+    s, z = (grid.ravel() for grid in np.meshgrid(along, across, indexing="ij"))
+    slope = np.radians(angle)
+    points = np.column_stack([s * np.cos(slope), s * np.sin(slope), z])
+    i, j = (index.ravel() for index in np.indices((nx, nz)))
+    first = i * (nz + 1) + j
+    # Counter-clockwise seen from above, so that the normal points to the particles.
+    return points, np.column_stack([first, first + 1, first + nz + 2, first + nz + 1])
+
+
+def polydata(
+    points: np.ndarray,
+    members: np.ndarray,
+    kind: str,
+    points_data: Mapping[str, np.ndarray] | None = None,
+    cells: Mapping[str, np.ndarray] | None = None,
+) -> str:
+    """XML of a PolyData.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        m.
+    members : ndarray of int, shape (m, k)
+        Points of each cell.
+    kind : {"Verts", "Polys"}
+    points_data, cells : mapping of str to ndarray, optional
+        Values of points and of cells; a second axis of three makes vectors.
+    """
+    count, width = members.shape
+    counts = {"Verts": 0, "Lines": 0, "Strips": 0, "Polys": 0} | {kind: count}
+    sizes = " ".join(f'NumberOf{name}="{number}"' for name, number in counts.items())
+    offsets = width * np.arange(1, count + 1)
+    return "\n".join(
+        [
+            '<?xml version="1.0"?>',
+            '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" '
+            'header_type="UInt64">',
+            "<PolyData>",
+            f'<Piece NumberOfPoints="{len(points)}" {sizes}>',
+            "<PointData>",
+            *(_array(name, values) for name, values in (points_data or {}).items()),
+            "</PointData>",
+            "<CellData>",
+            *(_array(name, values) for name, values in (cells or {}).items()),
+            "</CellData>",
+            "<Points>",
+            _array("Points", points.reshape(-1, 3)),
+            "</Points>",
+            f"<{kind}>",
+            _array("connectivity", members.ravel()),
+            _array("offsets", offsets),
+            f"</{kind}>",
+            "</Piece>",
+            "</PolyData>",
+            "</VTKFile>",
+            "",
+        ]
+    )
+
+
+def collection(times: Sequence[float], files: Sequence[str]) -> str:
+    """XML of a collection of files, each with its time in seconds."""
+    entries = [
+        f'<DataSet timestep="{time!r}" file={quoteattr(name)}/>'
+        for time, name in zip(map(float, times), files, strict=True)
+    ]
+    return "\n".join(
+        [
+            '<?xml version="1.0"?>',
+            '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">',
+            "<Collection>",
+            *entries,
+            "</Collection>",
+            "</VTKFile>",
+            "",
+        ]
+    )
+
+
+def _array(name: str, values: np.ndarray) -> str:
+    values = np.asarray(values)
+    kind = "float64" if values.dtype.kind == "f" else "int64"
+    data = np.ascontiguousarray(values, dtype=f"<{kind[0]}8").tobytes()
+    width = values.shape[1] if values.ndim == 2 else 1
+    content = base64.b64encode(len(data).to_bytes(8, "little") + data).decode("ascii")
+    return (
+        f'<DataArray type="{_TYPES[kind]}" Name={quoteattr(name)} NumberOfComponents="{width}" '
+        f'format="binary">{content}</DataArray>'
+    )

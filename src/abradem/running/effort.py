@@ -1,0 +1,54 @@
+"""How much work a study is."""
+
+from __future__ import annotations
+
+import os
+
+from abradem.config.declaration import Config
+from abradem.config.values import sampled_ranges, setup_dict
+
+SECONDS_PER_JOB = 2.5
+"""Start of a job: interpreter, imports, loading of compiled code."""
+
+_LOOKED_AT = 1000
+"""Cases whose time is guessed; those after them are taken to be alike."""
+
+
+def estimate(config: Config, cores: int | None = None) -> str:
+    """Say in one line what a run will do: cases, jobs and roughly how long they take.
+
+    The time is that of `cost.case_seconds`. ``cores`` defaults to those of this machine.
+    """
+    from abradem.sampling.cost import case_seconds
+    from abradem.sampling.draw import block_cases
+
+    if config.dataset.external is not None:
+        return f"{config.study}: learning from {config.dataset.external}, nothing is simulated"
+    cores = cores or os.cpu_count() or 1
+    sampling = config.sampling
+    jobs = config.jobs
+    size = min(sampling.cases_per_block, _LOOKED_AT)
+    blocks = min(sampling.blocks, -(-_LOOKED_AT // size))
+    ranges, setup = sampled_ranges(config), setup_dict(config)
+    looked_at = [
+        block_cases(config.seed, block, size, sampling.method, ranges) for block in range(blocks)
+    ]
+    each = sum(case_seconds(cases, setup).sum() for cases in looked_at) / (blocks * size)
+    seconds = (config.cases * each + jobs * SECONDS_PER_JOB) / min(cores, jobs)
+    return (
+        f"{config.study}: {_count(config.cases, 'case')} in {_count(sampling.blocks, 'block')}, "
+        f"{_count(jobs, 'simulation job')}, simulated in about {_duration(seconds)} on "
+        f"{_count(cores, 'core')}"
+    )
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90.0:
+        return f"{max(5, 5 * round(seconds / 5))} s"
+    if seconds < 5400.0:
+        return f"{seconds / 60.0:.0f} min"
+    return f"{seconds / 3600.0:.1f} h"

@@ -1,0 +1,218 @@
+"""How far the simulations of all jobs are: one line every few seconds, and the time left.
+
+The process that starts the jobs watches the files that batches leave: a finished batch has its
+``runs`` table, a running one keeps each finished case in a folder (see `abradem.simulation.batch`). The
+jobs themselves report nothing, so results cannot depend on progress.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import sys
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from abradem.running.job_log import CLEAR
+from abradem.simulation.batch import STARTED, finished_cases, resumed_cases
+
+
+@dataclass(frozen=True)
+class BatchOfCases:
+    """A batch that this run has to simulate.
+
+    Parameters
+    ----------
+    cases : int
+        Number of its cases.
+    runs : path
+        Its ``runs`` table.
+    finished : path
+        Its folder of finished cases.
+    work : float, optional
+        What it costs beside other batches; its cases if not given.
+    """
+
+    cases: int
+    runs: Path
+    finished: Path
+    work: float | None = None
+
+    def work_of(self, cases: int) -> float:
+        """What some of its cases cost beside other batches."""
+        return cases if self.work is None else self.work * cases / self.cases
+
+
+class _MakeRoom(logging.Handler):
+    """Clears the line of progress before anything else is said."""
+
+    def __init__(self, monitor: Monitor):
+        super().__init__()
+        self.monitor = monitor
+
+    def emit(self, record) -> None:
+        self.monitor.clear()
+
+
+class Monitor:
+    """Prints how many of all cases are done, from a thread of its own.
+
+    Parameters
+    ----------
+    total : int
+        Cases of the whole study.
+    folder : path
+        Folder for the file whose age tells this run's results from earlier ones.
+    stream : text file, optional
+        On a terminal the line is renewed in place, elsewhere a new line is written; standard
+        error if not given.
+    beside : str
+        Name of the logger whose messages share the terminal.
+    """
+
+    def __init__(
+        self,
+        total: int,
+        folder: Path,
+        stream: TextIO | None = None,
+        beside: str = "snakemake.logging",
+    ):
+        self.beside = beside
+        self.total = total
+        self.folder = Path(folder)
+        self._mark = self.folder / "began"
+        self.stream = sys.stderr if stream is None else stream
+        self.in_place = self.stream.isatty()
+        self.interval = 2.0 if self.in_place else 5.0
+        self._waiting: dict[str, BatchOfCases] = {}
+        self._done = 0
+        self._work = self._worked = self._running = 0.0
+        self._resumed: dict[str, float] = {}
+        self._began = self._ended = 0
+        self._clock = 0.0
+        self._in_line = False
+        self._make_room = _MakeRoom(self)
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def start(self, batches: Mapping[str, BatchOfCases]) -> None:
+        """Begin to watch and to print, if there is anything to simulate.
+
+        Parameters
+        ----------
+        batches : mapping of str to BatchOfCases
+            The batches that this run has to simulate; the cases of all others count as done.
+        """
+        if batches:
+            self.begin(batches)
+            if self.in_place:
+                # First of the handlers, so that the line goes before the message comes.
+                logging.getLogger(self.beside).handlers.insert(0, self._make_room)
+            self._thread = threading.Thread(target=self._watch, daemon=True)
+            self._thread.start()
+
+    def stop(self) -> None:
+        """Print the last line and end."""
+        if self._thread is not None:
+            self._stop.set()
+            self._thread.join()
+            self._thread = None
+            logging.getLogger(self.beside).removeHandler(self._make_room)
+            if self._waiting:
+                self._print(self.line(), last=True)
+        self._tidy()
+
+    def begin(self, batches: Mapping[str, BatchOfCases]) -> None:
+        """Set the moment from which results count as this run's."""
+        self._waiting = dict(batches)
+        self._done = self.total - sum(batch.cases for batch in batches.values())
+        self._worked = self._running = 0.0
+        self._work = sum(batch.work_of(batch.cases) for batch in batches.values())
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._mark.write_text("", encoding="utf-8")
+        # The file system's clock, which other machines of a cluster share, not our own.
+        self._began = self._ended = self._mark.stat().st_mtime_ns
+        self._clock = time.monotonic()
+
+    def count(self) -> int:
+        """Cases of the study that are done."""
+        running, self._running = 0, 0.0
+        for name, batch in list(self._waiting.items()):
+            written = _modified(batch.runs)
+            if written >= self._began:
+                del self._waiting[name]
+                self._done += batch.cases
+                self._worked += batch.work_of(batch.cases)
+                self._ended = max(self._ended, written)
+            elif _modified(batch.finished / STARTED) >= self._began:
+                finished = finished_cases(batch.finished)
+                running += finished
+                self._running += batch.work_of(finished)
+                self._resumed[name] = batch.work_of(resumed_cases(batch.finished))
+        return self._done + running
+
+    def line(self) -> str:
+        """The progress in words."""
+        done = self.count()
+        text = f"simulations: {done} of {self.total} cases done"
+        if done >= self.total:
+            return f"{text} in {duration((self._ended - self._began) / 1e9)}"
+        worked = self._worked + self._running
+        computed = worked - sum(self._resumed.values())
+        if computed > 0:
+            elapsed = time.monotonic() - self._clock
+            return f"{text}, about {duration(elapsed * (self._work - worked) / computed)} left"
+        return text
+
+    def clear(self) -> None:
+        """Take the line off the terminal until it is printed again."""
+        if self._in_line:
+            self._in_line = False
+            self.stream.write(CLEAR)
+            self.stream.flush()
+
+    def _watch(self) -> None:
+        shown = ""
+        while self._waiting and not self._stop.wait(self.interval):
+            line = self.line()
+            if self.in_place or line != shown:
+                self._print(line, last=not self._waiting)
+            shown = line
+        if not self._waiting:
+            self._tidy()
+
+    def _tidy(self) -> None:
+        """Remove the mark, also that of a run that was killed."""
+        self._mark.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            # Stays where an interrupted batch left finished cases.
+            self.folder.rmdir()
+
+    def _print(self, line: str, last: bool = False) -> None:
+        if self.in_place:
+            self.stream.write(f"{CLEAR}{line}" + ("\n" if last else ""))
+            self._in_line = not last
+        else:
+            self.stream.write(line + "\n")
+        self.stream.flush()
+
+
+def duration(seconds: float) -> str:
+    """A length of time in the unit one would say it in."""
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    if minutes < 100:
+        return f"{minutes} min"
+    return f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def _modified(path: Path) -> int:
+    try:
+        return path.stat().st_mtime_ns
+    except FileNotFoundError:
+        return -1

@@ -1,0 +1,132 @@
+"""Files in and out: complete or absent, the same content to the same bytes.
+
+`replacing` is the one writer: a temporary file, flushed to the disk and renamed. Text, CSV, JSON
+and arrays go through it here, tables in `abradem.store.tables`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import glob
+import json
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import IO, TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class TableError(ValueError):
+    """A table that cannot be written, read or used; the message is one line per problem."""
+
+
+@contextlib.contextmanager
+def replacing(path: str | Path) -> Iterator[IO[bytes]]:
+    """A binary file that takes the place of ``path`` when the block ends well, else vanishes.
+
+    What a killed process left of an earlier attempt is removed. An error of the file system
+    names ``path``.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _remove_left(path)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        with open(temporary, "wb") as sink:
+            yield sink
+            sink.flush()
+            os.fsync(sink.fileno())
+        os.replace(temporary, path)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise type(error)(error.errno, os.strerror(error.errno), str(path)) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _remove_left(path: Path) -> None:
+    """Remove temporary files of ``path`` whose process is gone."""
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.tmp"):
+        number = left.name.split(".")[-2]
+        if number.isdecimal() and not _lives(int(number)):
+            left.unlink(missing_ok=True)
+
+
+def _lives(process: int) -> bool:
+    if os.name == "nt":
+        # There, os.kill would end it.
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        # Somebody else's.
+        return True
+    return True
+
+
+def write_json(value, path: str | Path) -> None:
+    """Write plain values as JSON: keys sorted, NaN as null, complete or not at all."""
+    text = json.dumps(_plain(value), indent=2, sort_keys=True, allow_nan=False, ensure_ascii=False)
+    write_text(f"{text}\n", path)
+
+
+def read_json(path: str | Path):
+    """Read what `write_json` wrote; raises `TableError` if it is missing or corrupt."""
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise TableError(f"{path}: no such file") from None
+    except ValueError as error:
+        raise TableError(f"{path}: truncated, corrupt or not JSON ({error})") from None
+
+
+def _plain(value):
+    """Numpy values as Python's, numbers that JSON cannot say as None."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def write_text(text: str, path: str | Path) -> None:
+    """Write a text file (UTF-8), complete or not at all."""
+    with replacing(path) as sink:
+        sink.write(text.encode("utf-8"))
+
+
+def write_csv(frame: pd.DataFrame, path: str | Path) -> None:
+    """Write a table as CSV without its index, complete or not at all."""
+    write_text(frame.to_csv(index=False), path)
+
+
+def write_arrays(arrays: dict[str, np.ndarray], path: str | Path) -> None:
+    """Write arrays as safetensors, complete or not at all, the same arrays to the same bytes."""
+    from safetensors.numpy import save
+
+    with replacing(path) as sink:
+        sink.write(save({name: np.ascontiguousarray(array) for name, array in arrays.items()}))
+
+
+def read_arrays(path: str | Path) -> dict[str, np.ndarray]:
+    """Read arrays; raises TableError if the file is missing or damaged."""
+    from safetensors import SafetensorError
+    from safetensors.numpy import load_file
+
+    try:
+        return load_file(path)
+    except FileNotFoundError:
+        raise TableError(f"{path}: no such file") from None
+    except (SafetensorError, OSError) as error:
+        raise TableError(f"{path}: not a whole safetensors file ({error})") from None

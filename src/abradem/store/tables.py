@@ -1,0 +1,177 @@
+"""Tables as Parquet, with unit and long name of each column in the field metadata."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from abradem.store.columns import COLUMNS, Column
+from abradem.store.files import TableError, read_json, replacing
+
+_ARROW_TYPES = {
+    "float64": pa.float64(),
+    "int64": pa.int64(),
+    "int32": pa.int32(),
+    "bool": pa.bool_(),
+    "string": pa.string(),
+}
+
+
+def write_table(
+    frame: pd.DataFrame, path: str | Path, extra: Mapping[str, Column] | None = None
+) -> None:
+    """Write a table as Parquet (zstd), complete or not at all, the same table to the same bytes.
+
+    Parameters
+    ----------
+    frame : pandas.DataFrame
+        The index is not stored.
+    path : path-like
+        Folders are made as needed.
+    extra : mapping of str to Column, optional
+        Columns that `COLUMNS` does not hold; they override it.
+
+    Raises
+    ------
+    TableError
+        If a column is unknown, stands twice or holds values of another type.
+    """
+    path = Path(path)
+    known = {**COLUMNS, **(extra or {})}
+    names = [str(name) for name in frame.columns]
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise TableError(f"{path}: no unit is known for column {', '.join(unknown)}")
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise TableError(f"{path}: column {', '.join(twice)} stands twice")
+
+    table = pa.Table.from_arrays(
+        [_array(frame[name], known[name].dtype, f"{path}: column {name}") for name in names],
+        schema=pa.schema([_field(name, known[name]) for name in names]),
+    )
+    with replacing(path) as sink:
+        pq.write_table(table, sink, compression="zstd", write_page_checksum=True)
+
+
+def read_table(path: str | Path, columns: Iterable[str] | None = None) -> pd.DataFrame:
+    """Read a table written by `write_table`; ``columns`` selects and orders.
+
+    Raises
+    ------
+    TableError
+        If the file is missing, truncated, not Parquet, or lacks a column.
+    """
+    path = Path(path)
+    columns = None if columns is None else list(columns)
+    try:
+        with open(path, "rb") as source:
+            table = pq.ParquetFile(source, page_checksum_verification=True).read()
+            names = table.column_names
+    except FileNotFoundError:
+        raise TableError(f"{path}: no such file") from None
+    except _DAMAGED as error:
+        raise _damaged(path, error) from None
+    if columns is not None:
+        missing = [name for name in columns if name not in names]
+        if missing:
+            raise TableError(f"{path}: lacks column {', '.join(missing)}")
+        table = table.select(columns)
+    return table.to_pandas()
+
+
+def read_units(path: str | Path) -> dict[str, str]:
+    """Units of the columns of a table, from the field metadata; raises as `read_table`."""
+    try:
+        return {
+            field.name: (field.metadata or {}).get(b"units", b"").decode("utf-8")
+            for field in pq.read_schema(path)
+        }
+    except _DAMAGED as error:
+        raise _damaged(path, error) from None
+
+
+# A name or a unit that is no UTF-8 is found only when it is asked for.
+_DAMAGED = (pa.ArrowException, OSError, UnicodeDecodeError)
+
+
+def _damaged(path: str | Path, error: Exception) -> TableError:
+    reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+    return TableError(f"{path}: truncated, corrupt or not Parquet ({reason})")
+
+
+def concatenate(frames: Iterable[pd.DataFrame], key: str = "case_id") -> pd.DataFrame:
+    """Stack the tables of blocks or batches in the order of ``key``, rows of a key unmoved."""
+    frames = list(frames)
+    if not frames:
+        raise TableError("no tables to join")
+    return pd.concat(frames, ignore_index=True).sort_values(key, kind="stable", ignore_index=True)
+
+
+def content_hash(frame: pd.DataFrame) -> str:
+    """Hexadecimal SHA-256 of the columns and their values, independent of files and versions."""
+    digest = hashlib.sha256()
+    for name in frame.columns:
+        values = frame[name].to_numpy()
+        if values.dtype.kind in "OUT":
+            data = "\0".join(map(str, values)).encode("utf-8")
+        else:
+            data = np.ascontiguousarray(values).tobytes()
+        digest.update(f"{name}\0{len(data)}\0".encode() + data)
+    return digest.hexdigest()
+
+
+def _field(name: str, column: Column) -> pa.Field:
+    metadata = {"units": column.unit, "long_name": column.long_name}
+    return pa.field(name, _ARROW_TYPES[column.dtype], metadata=metadata)
+
+
+def _array(values: pd.Series, dtype: str, where: str) -> pa.Array:
+    """Values as an Arrow array of a known type; NaN stays NaN, a missing text is an error."""
+    if dtype == "string":
+        texts = values.tolist()
+        wrong = next((text for text in texts if not isinstance(text, str)), None)
+        if any(not isinstance(text, str) for text in texts):
+            raise TableError(f"{where} must hold text, got {wrong!r}")
+        return pa.array(texts, type=pa.string())
+    array = values.to_numpy()
+    kind = {"float64": "fiu", "int64": "iu", "int32": "iu", "bool": "b"}[dtype]
+    if array.dtype.kind not in kind and len(array):
+        raise TableError(f"{where} must hold {dtype}, got {array.dtype}")
+    cast = array.astype(dtype)
+    if dtype in ("int64", "int32") and not np.array_equal(cast, array):
+        raise TableError(f"{where}: a value does not fit {dtype}")
+    return pa.array(cast)
+
+
+def read_result(path: str | Path):
+    """Content of a file of results, by its suffix: a table (Parquet, CSV), or plain data (JSON)."""
+    suffix = Path(path).suffix
+    if suffix == ".parquet":
+        return read_table(path)
+    return pd.read_csv(path, comment="#") if suffix == ".csv" else read_json(path)
+
+
+def read_results(paths: Iterable[tuple[str, str | list[str]]]) -> dict:
+    """Contents of named files: one of `read_result`, of a list an iterator, of none None.
+
+    Parameters
+    ----------
+    paths : iterable of (str, path or list of path)
+        Such as the named inputs of a rule. A list is read as it is gone through, once: the tables
+        of a large study do not fit into memory together.
+    """
+    return {
+        name: read_result(path)
+        if isinstance(path, str)
+        else map(read_result, path)
+        if len(path)
+        else None
+        for name, path in paths
+    }

@@ -1,0 +1,71 @@
+"""Presets for `abradem predict`: what a particle is made of, on a plate of steel.
+
+Values are typical ones: rocks and coals of one name differ by more than the model's error, so
+measure where it matters. What a particle and a plate do together (restitution, friction) depends on
+shape, moisture and finish; where no measurement is cited the middle of the paper's ranges stands.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from abradem.elastic import shear_modulus
+
+
+class Preset(NamedTuple):
+    """Quantities in the units of `abradem.quantities`, and where they come from."""
+
+    values: dict[str, float]
+    source: str
+
+
+def _particle(shear_modulus: float, poisson_ratio: float, density: float) -> dict[str, float]:
+    return {
+        "particle_shear_modulus": shear_modulus,
+        "particle_poisson_ratio": poisson_ratio,
+        "particle_density": density,
+    }
+
+
+# The middle of the ranges that the study draws from: an assumption, not a measurement.
+_ASSUMED = {"restitution": 0.5, "static_friction": 0.475, "rolling_friction": 0.055}
+
+PLATES: dict[str, Preset] = {
+    "steel": Preset(
+        {
+            "equipment_shear_modulus": shear_modulus(210e9, 0.3),
+            "equipment_poisson_ratio": 0.3,
+            "equipment_density": 7850.0,
+        },
+        "Hlosta et al. 2020, Processes 8:222 (E 210 GPa, nu 0.3, 7850 kg/m3)",
+    ),
+}
+
+PARTICLES: dict[str, Preset] = {
+    "coal": Preset(
+        {**_particle(2.01e9, 0.32, 1540.0), **_ASSUMED},
+        "G and nu from G 2.01, K 4.91 GPa of a seam: Scientific Reports 2024, "
+        "doi 10.1038/s41598-024-79523-8, table 1; density: Complexity 2019, 4021368, table 3; "
+        "restitution and friction assumed",
+    ),
+    "iron_ore": Preset(
+        {**_particle(shear_modulus(100e9, 0.25), 0.25, 4000.0), **_ASSUMED},
+        "typical of hematite ore, Schoen 2015, Physical Properties of Rocks, 2nd ed., Elsevier "
+        "(rounded); restitution and friction assumed",
+    ),
+    "limestone": Preset(
+        {**_particle(shear_modulus(50e9, 0.25), 0.25, 2700.0), **_ASSUMED},
+        "typical, Schoen 2015 (rounded); nu within the range of Gercek 2007, Int. J. Rock Mech. "
+        "Min. Sci. 44:1; restitution and friction assumed",
+    ),
+    "granite": Preset(
+        {**_particle(shear_modulus(50e9, 0.25), 0.25, 2650.0), **_ASSUMED},
+        "typical, Schoen 2015 (rounded); nu within the range of Gercek 2007, Int. J. Rock Mech. "
+        "Min. Sci. 44:1; restitution and friction assumed",
+    ),
+}
+
+
+def preset(particle: str, plate: str = "steel") -> dict[str, float]:
+    """Quantities of a particle on a plate; raises KeyError for an unknown name."""
+    return {**PLATES[plate].values, **PARTICLES[particle].values}

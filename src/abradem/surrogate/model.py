@@ -1,0 +1,263 @@
+"""The surrogate at work: the wear of a jet of particles in less than a millisecond, with an interval.
+
+A study writes its surrogate as two files without code, ``surrogate.json`` (features, units,
+training ranges, jet, scores) and ``surrogate.safetensors`` (numbers): two small networks that
+were distilled from the study's best model (`abradem.learning.physical.distil`). One gives the logarithm of
+the wear number, the other the logarithm of its standard deviation; `abradem.surrogate.groups`
+leads from the quantities of a case to their inputs and back to mm/s. The interval comes from
+quantiles of held-out errors over that standard deviation (`abradem.learning.physical.intervals`).
+
+>>> abradem.predict({"plate_angle": 45.0, ...}, model="results/paper/models/surrogate")
+
+Only numpy and safetensors are needed here; torch, scikit-learn, numba and pandas are not.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from abradem.quantities import SAMPLED, SAMPLED_NAMES, quantity
+from abradem.surrogate.groups import Jet, group_columns, squared_impact_speed, wear_scale
+
+BLOCK = 4096
+"""Rows computed at once: what they need stays in the processor's cache."""
+
+SECONDS_PER_HOUR = 3600.0
+
+SLACK = 0.01
+"""Share of a training range by which a value may lie beyond it without a warning: the cases of a
+study do not sit on the very ends of its ranges."""
+
+NETWORKS = ("mean", "spread")
+
+
+class PredictionError(ValueError):
+    """A model that cannot be read, or values that cannot be predicted; one line per problem."""
+
+
+class Prediction(NamedTuple):
+    """Wear depth rates of n cases, mean over the plate.
+
+    Attributes
+    ----------
+    rate, lower, upper : ndarray, shape (n,)
+        Median and interval, mm/s.
+    confidence : float
+        Level of the interval: the share of simulated cases that such intervals hold.
+    warnings : list of str
+        Which values lie outside the training ranges, one line for each quantity.
+    """
+
+    rate: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    confidence: float
+    warnings: list[str]
+
+    def hours_to(self, depth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Hours until the plate is worn by ``depth`` mm: median, least and most."""
+        if not (depth > 0.0 and np.isfinite(depth)):
+            raise PredictionError(f"depth = {depth!r} mm must be a positive number")
+        return tuple(
+            depth / rate / SECONDS_PER_HOUR for rate in (self.rate, self.upper, self.lower)
+        )
+
+
+class Surrogate:
+    """A surrogate read from its files.
+
+    Attributes
+    ----------
+    description : dict
+        Content of the JSON file.
+    jet : Jet
+    ranges : dict of str to (float, float)
+        Training range of each sampled quantity.
+    group_mean, group_scale : ndarray, shape (10,)
+    layers : dict of str to list
+        Weights and biases of both networks.
+    """
+
+    def __init__(self, description: Mapping, arrays: Mapping[str, np.ndarray]):
+        self.description = dict(description)
+        self.jet = Jet(**description["jet"])
+        self.ranges = {
+            feature["name"]: tuple(feature["training_range"]) for feature in description["features"]
+        }
+        self.group_mean, self.group_scale = arrays["group_mean"], arrays["group_scale"]
+        self.layers = {name: _layers(arrays, name) for name in NETWORKS}
+        self._quantiles = np.sort(arrays["conformal"])
+
+    @classmethod
+    def load(cls, path: str | Path) -> Surrogate:
+        """Read ``path`` (with or without .json) and the safetensors file beside it."""
+        from safetensors import SafetensorError
+        from safetensors.numpy import load_file
+
+        path = Path(path)
+        path = path if path.suffix == ".json" else Path(f"{path}.json")
+        try:
+            description = json.loads(path.read_text(encoding="utf-8"))
+            arrays = load_file(path.with_suffix(".safetensors"))
+            return cls(description, arrays)
+        except FileNotFoundError as error:
+            missing = Path(error.filename) if error.filename else path.with_suffix(".safetensors")
+            raise PredictionError(
+                f"{missing}: there is no such file; run the study first (make run), or name the "
+                "surrogate of another"
+            ) from None
+        except (SafetensorError, ValueError, KeyError, TypeError, OSError) as error:
+            raise PredictionError(f"{path}: damaged, or no surrogate ({error!r})") from None
+
+    def predict(self, values: Mapping[str, np.ndarray], confidence: float = 0.95) -> Prediction:
+        """Wear depth rates of cases.
+
+        Parameters
+        ----------
+        values : mapping of str to float or array
+            The 14 sampled quantities in the units of `abradem.quantities`, which broadcast; a
+            DataFrame does.
+        confidence : float
+            Level of the interval, above 0 and below 1.
+
+        Raises
+        ------
+        PredictionError
+            If a quantity is missing, unknown to physics or impossible.
+        """
+        columns = _columns(values, self.jet)
+        factor = self._factor(confidence)
+        rows = len(next(iter(columns.values())))
+        rate, ratio = np.empty(rows), np.empty(rows)
+        for first in range(0, rows, BLOCK):
+            part = slice(first, first + BLOCK)
+            block = {name: column[part] for name, column in columns.items()}
+            z = np.empty((len(block["plate_angle"]), len(self.group_mean)), dtype=np.float32)
+            for place, column in enumerate(group_columns(block, self.jet)):
+                z[:, place] = (column - self.group_mean[place]) / self.group_scale[place]
+            mean, spread = (_run(self.layers[name], z).astype(float) for name in NETWORKS)
+            rate[part] = wear_scale(block, self.jet) * np.exp(mean)
+            ratio[part] = np.exp(factor * np.exp(spread))
+        return Prediction(rate, rate / ratio, rate * ratio, confidence, self._outside(columns))
+
+    def _factor(self, confidence: float) -> float:
+        """Standard deviations on either side: a quantile of the errors of held-out rows."""
+        if not 0.0 < confidence < 1.0:
+            raise PredictionError(f"confidence = {confidence!r} must lie between 0 and 1")
+        return conformal_quantile(self._quantiles, confidence)
+
+    def _outside(self, columns: Mapping[str, np.ndarray]) -> list[str]:
+        lines = []
+        for name, (low, high) in self.ranges.items():
+            column = columns[name]
+            slack = SLACK * (high - low)
+            beyond = (column < low - slack) | (column > high + slack)
+            # Wear is proportional to it, whatever its range.
+            if name == "archard_constant" or not beyond.any():
+                continue
+            row, count = quantity(name), int(beyond.sum())
+            unit = "" if row.unit == "1" else f" {row.unit}"
+            shown = f"{name} = {column[np.argmax(beyond)]:g}{unit}"
+            more = "" if count == 1 else f" (and {count - 1} more)"
+            lines.append(
+                f"{shown}{more} is outside the training range {low:g} ... {high:g}{unit}: "
+                "extrapolated, the interval does not hold"
+            )
+        return lines
+
+
+def predict(
+    values: Mapping[str, np.ndarray],
+    model: str | Path | Surrogate = "results/paper/models/surrogate",
+    confidence: float = 0.95,
+) -> Prediction:
+    """Wear depth rate, with an interval, by the surrogate of a study.
+
+    Parameters
+    ----------
+    values : mapping of str to float or array
+        The 14 sampled quantities in the units of `abradem.quantities`; arrays or a DataFrame for
+        many cases.
+    model : path or Surrogate
+        Stem of the files, such as results/paper/models/surrogate.
+    confidence : float
+        Level of the interval.
+
+    Returns
+    -------
+    Prediction
+    """
+    surrogate = model if isinstance(model, Surrogate) else Surrogate.load(model)
+    return surrogate.predict(values, confidence)
+
+
+def conformal_quantile(ordered: np.ndarray, confidence: float) -> float:
+    """The quantile of sorted held-out scores that an interval of this level needs.
+
+    Of n scores the one of rank ceil((n + 1) confidence) makes intervals that hold at least this
+    share of new rows (Vovk, Gammerman and Shafer 2005, Algorithmic Learning in a Random World);
+    beyond n / (n + 1) no rank is high enough and the largest is taken.
+    """
+    count = len(ordered)
+    rank = int(np.ceil((count + 1) * confidence - 1e-9))
+    return float(ordered[min(max(rank, 1), count) - 1])
+
+
+def _columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
+    """The sampled quantities as arrays of one length, checked."""
+    missing = [name for name in SAMPLED_NAMES if name not in values]
+    if missing:
+        raise PredictionError(f"missing: {', '.join(missing)}")
+    columns = {}
+    problems = []
+    for row in SAMPLED:
+        try:
+            column = np.atleast_1d(np.asarray(values[row.name], dtype=float))
+        except (TypeError, ValueError):
+            problems.append(f"{row.name} holds {values[row.name]!r}, which is no number")
+            continue
+        low, high = row.limits
+        wrong = ~((column >= low) & (column <= high))
+        if wrong.any():
+            place = int(np.argmax(wrong))
+            unit = "" if row.unit == "1" else f" {row.unit}"
+            where = "" if len(column) == 1 else f" in row {place}"
+            problems.append(
+                f"{row.name} = {column[place]:g}{unit}{where} is impossible "
+                f"(allowed {low:g} ... {high:g}{unit})"
+            )
+        columns[row.name] = column
+    if problems:
+        raise PredictionError("\n".join(problems))
+    try:
+        columns = dict(zip(columns, np.broadcast_arrays(*columns.values()), strict=True))
+    except ValueError:
+        lengths = {name: len(column) for name, column in columns.items() if len(column) > 1}
+        raise PredictionError(f"columns of different length: {lengths}") from None
+    if not np.all(squared_impact_speed(columns, jet) > 0.0):
+        raise PredictionError(
+            "a particle that neither starts with a velocity nor falls wears nothing"
+        )
+    return columns
+
+
+def _layers(arrays: Mapping[str, np.ndarray], name: str) -> Sequence[tuple[np.ndarray, np.ndarray]]:
+    count = sum(key.startswith(f"{name}_weights_") for key in arrays)
+    if not count:
+        raise KeyError(f"{name}_weights_0")
+    return [(arrays[f"{name}_weights_{i}"], arrays[f"{name}_biases_{i}"]) for i in range(count)]
+
+
+def _run(layers: Sequence[tuple[np.ndarray, np.ndarray]], z: np.ndarray) -> np.ndarray:
+    """Output of a network with rectified linear units, shape (n,)."""
+    for place, (weights, biases) in enumerate(layers):
+        if place:
+            np.maximum(z, 0.0, out=z)
+        z = z @ weights
+        z += biases
+    return z[:, 0]

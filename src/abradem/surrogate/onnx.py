@@ -1,0 +1,119 @@
+"""The surrogate as an ONNX graph, for programs that are not Python: needs the extra ``onnx``.
+
+The graph takes the 14 sampled quantities, each a column (n,) of double precision in the unit of
+`abradem.quantities`, and gives the wear depth rate and the deviation of its logarithm, both (n,).
+The formulas between quantities and networks are not written a second time: the functions of
+`abradem.surrogate.groups` run on symbols that record each operation as a node.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from abradem.quantities import SAMPLED_NAMES
+from abradem.store.files import replacing
+from abradem.surrogate.groups import group_columns, wear_scale
+from abradem.surrogate.model import NETWORKS, Surrogate
+
+OPSET = 17
+RATE, DEVIATION = OUTPUTS = ("wear_depth_rate", "log_deviation")
+
+_OPERATORS = {
+    np.add: "Add", np.subtract: "Sub", np.multiply: "Mul", np.divide: "Div",
+    np.power: "Pow", np.maximum: "Max", np.log: "Log", np.sqrt: "Sqrt", np.cos: "Cos",
+    np.exp: "Exp",
+}  # fmt: skip
+
+
+class _Graph:
+    """Nodes and constants of a graph that is being recorded."""
+
+    def __init__(self):
+        self.nodes, self.constants = [], []
+
+    def constant(self, values, dtype=np.float64) -> str:
+        from onnx import numpy_helper
+
+        name = f"c{len(self.constants)}"
+        self.constants.append(numpy_helper.from_array(np.asarray(values, dtype=dtype), name))
+        return name
+
+    def node(self, operator: str, *inputs: str, name: str = "", **attributes) -> str:
+        from onnx import helper
+
+        name = name or f"n{len(self.nodes)}"
+        self.nodes.append(helper.make_node(operator, list(inputs), [name], **attributes))
+        return name
+
+
+class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
+    """A value of the graph that takes part in numpy's arithmetic."""
+
+    def __init__(self, graph: _Graph, name: str):
+        self.graph, self.name = graph, name
+
+    def __array_ufunc__(self, ufunc, method, *inputs, **keywords):
+        if method != "__call__" or keywords or ufunc not in _OPERATORS:
+            raise TypeError(f"{ufunc.__name__} has no counterpart in the ONNX graph")
+        names = [
+            one.name if isinstance(one, _Symbol) else self.graph.constant(one) for one in inputs
+        ]
+        return _Symbol(self.graph, self.graph.node(_OPERATORS[ufunc], *names))
+
+
+def export_onnx(surrogate: Surrogate, path: str | Path) -> None:
+    """Write the surrogate as an ONNX file, complete or not at all.
+
+    Raises
+    ------
+    ImportError
+        If the package ``onnx`` is missing.
+    """
+    from onnx import TensorProto, checker, helper
+
+    graph = _Graph()
+    values = {name: _Symbol(graph, name) for name in SAMPLED_NAMES}
+    axis = graph.constant([1], np.int64)
+    found = group_columns(values, surrogate.jet)
+    columns = [graph.node("Unsqueeze", column.name, axis) for column in found]
+    groups = graph.node("Concat", *columns, axis=1)
+    centred = graph.node("Sub", groups, graph.constant(surrogate.group_mean))
+    scaled = graph.node("Div", centred, graph.constant(surrogate.group_scale))
+    z = graph.node("Cast", scaled, to=TensorProto.FLOAT)
+    outputs = []
+    for network in NETWORKS:
+        value = z
+        for place, (weights, biases) in enumerate(surrogate.layers[network]):
+            value = graph.node("Relu", value) if place else value
+            value = graph.node(
+                "Gemm", value, graph.constant(weights, np.float32),
+                graph.constant(biases, np.float32),
+            )  # fmt: skip
+        squeezed = graph.node("Squeeze", value, axis)
+        wide = graph.node("Cast", squeezed, to=TensorProto.DOUBLE)
+        outputs.append(_Symbol(graph, wide))
+    mean, spread = outputs
+    rate = wear_scale(values, surrogate.jet) * np.exp(mean)
+    graph.node("Identity", rate.name, name=RATE)
+    graph.node("Exp", spread.name, name=DEVIATION)
+
+    def column(name: str):
+        return helper.make_tensor_value_info(name, TensorProto.DOUBLE, ["n"])
+
+    model = helper.make_model(
+        helper.make_graph(
+            graph.nodes,
+            "abradem_surrogate",
+            [column(name) for name in SAMPLED_NAMES],
+            [column(name) for name in OUTPUTS],
+            graph.constants,
+        ),
+        opset_imports=[helper.make_opsetid("", OPSET)],
+        ir_version=8,
+        producer_name="abradem",
+    )
+    checker.check_model(model)
+    with replacing(path) as sink:
+        sink.write(model.SerializeToString())

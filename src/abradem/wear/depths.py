@@ -1,0 +1,40 @@
+"""Wear depth of every facet at the times of snapshots."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from abradem.dem.model import Setup
+from abradem.units import MM_PER_M
+
+
+def depth_frames(
+    wear: pd.DataFrame, case: Mapping[str, float], setup: Setup, measure: str = "total"
+) -> tuple[np.ndarray, np.ndarray]:
+    """Wear depth of every facet at the times of the snapshots.
+
+    Parameters
+    ----------
+    wear : pandas.DataFrame
+        Snapshots as `abradem.simulation.snapshots` writes them, of an Archard constant of 1.
+    case : mapping
+        Holds ``archard_constant``, 1/Pa.
+    setup : Setup
+    measure : str
+        One of `abradem.quantities.WEAR_MEASURES`.
+
+    Returns
+    -------
+    times : ndarray, shape (n,)
+        s.
+    depth : ndarray, shape (n, nx, nz)
+        mm, along the plate's length and width.
+    """
+    nx, nz = setup.facets
+    ordered = wear.sort_values(["time", "facet_x", "facet_z"], kind="stable")
+    times = ordered["time"].to_numpy()[:: nx * nz]
+    worn = ordered[f"wear_{measure}"].to_numpy().reshape(len(times), nx, nz)
+    return times, MM_PER_M * case["archard_constant"] * nx * nz / setup.plate_area * worn

@@ -1,0 +1,76 @@
+"""Cases simulated again with other seeds: how much of a wear rate is chance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from abradem.dem.model import Setup
+from abradem.sampling.draw import case_seed
+from abradem.simulation.batch import TABLES, run_case
+from abradem.wear.rates import wear_rates
+
+CHEAP_SHARE = 0.5
+"""Replicates are made of this share of the cases, those with the largest particles."""
+
+
+def choose_cases(cases: pd.DataFrame, count: int) -> pd.DataFrame:
+    """The cases to repeat: ``count`` of those with large particles, evenly over their radii.
+
+    Parameters
+    ----------
+    cases : pandas.DataFrame
+        The cases of a study's first block.
+    count : int
+    """
+    sound = cases[cases["rejected"] == ""].sort_values("particle_radius", ignore_index=True)
+    large = sound.iloc[int(len(sound) * (1.0 - CHEAP_SHARE)) :]
+    places = np.unique(np.linspace(0, len(large) - 1, min(count, len(large))).round().astype(int))
+    return large.iloc[places].reset_index(drop=True)
+
+
+def replicate(
+    cases: pd.DataFrame, replicates: int, setup: Mapping, min_batches: int = 20
+) -> pd.DataFrame:
+    """Simulate cases again with other seeds.
+
+    Parameters
+    ----------
+    cases : pandas.DataFrame
+        Rows of `choose_cases`.
+    replicates : int
+        Simulations of each.
+    setup : mapping
+        Plain values of the `Setup`.
+    min_batches : int
+        See `abradem.wear.rates.wear_rates`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        case_id, replicate, seed, wear_total_mean, wear_total_mean_stderr (mm/s); simulations that
+        ended without a rate are left out.
+    """
+    found = []
+    for case in cases.to_dict("records"):
+        for number in range(replicates):
+            row = {**case, "seed": case_seed(int(case["seed"]), number)}
+            tables = run_case(row, setup)
+            rates = wear_rates(
+                *(tables[name] for name in TABLES),
+                pd.DataFrame([row]),
+                Setup.from_dict(setup),
+                min_batches,
+            )
+            found += [
+                (case["case_id"], number, row["seed"], rate, error)
+                for rate, error in zip(
+                    rates["wear_total_mean"], rates["wear_total_mean_stderr"], strict=True
+                )
+            ]
+    columns = ["case_id", "replicate", "seed", "wear_total_mean", "wear_total_mean_stderr"]
+    return pd.DataFrame(found, columns=columns).astype(
+        {"case_id": "int64", "replicate": "int32", "seed": "int64"}
+    )

@@ -1,0 +1,109 @@
+"""What quantities, groups, models and protocols are called: the words of figures, tables and pages.
+
+No number depends on this package. An edit here redraws figures and rewrites the report; it
+repeats no simulation and trains no model.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from abradem.quantities import quantity, wear_column
+
+
+class Label(NamedTuple):
+    """Mathematical symbol in TeX, without dollar signs, and the words for an axis."""
+
+    tex: str
+    long_name: str
+
+
+LABELS: dict[str, Label] = {
+    "particle_youngs_modulus": Label("E_p", "particle Young's modulus"),
+    "particle_shear_modulus": Label("G_p", "particle shear modulus"),
+    "particle_poisson_ratio": Label(r"\nu_p", "particle Poisson's ratio"),
+    "particle_density": Label(r"\rho_p", "particle density"),
+    "equipment_youngs_modulus": Label("E_e", "plate Young's modulus"),
+    "equipment_shear_modulus": Label("G_e", "plate shear modulus"),
+    "equipment_poisson_ratio": Label(r"\nu_e", "plate Poisson's ratio"),
+    "equipment_density": Label(r"\rho_e", "plate density"),
+    "restitution": Label("e", "coefficient of restitution"),
+    "rolling_friction": Label(r"\mu_r", "coefficient of rolling friction"),
+    "static_friction": Label(r"\mu_s", "coefficient of static friction"),
+    "archard_constant": Label("W", "Archard wear constant"),
+    "plate_angle": Label(r"\varphi", "plate angle"),
+    "factory_angle": Label(r"\theta", "factory angle"),
+    "particle_radius": Label("R", "particle radius"),
+    "particle_velocity_y": Label("v_y", "particle velocity (vertical)"),
+    "effective_youngs_modulus": Label("E^*", "effective Young's modulus"),
+    "effective_shear_modulus": Label("G^*", "effective shear modulus"),
+    "damping_ratio": Label(r"\xi", "damping ratio"),
+    "damping_coefficient": Label(r"\eta", "damping coefficient"),
+    "wear_total_mean": Label(r"\dot h", "wear depth rate"),
+    "impact_speed": Label("v", "speed of impact"),
+}
+"""Labels of the quantities of `abradem.quantities`, and of the speed of impact, by name."""
+
+GROUP_LABELS: dict[str, Label] = {
+    "constant": Label(r"\ln C", "constant"),
+    "log_froude": Label(r"\ln Fr", "Froude number of the impact"),
+    "log_size": Label(r"\ln R/H", "radius over fall height"),
+    "log_loading": Label(r"\ln L", "loading of the jet"),
+    "log_cauchy": Label(r"\ln Ca", "Cauchy number of the impact"),
+    "log_stiffness_ratio": Label(r"\ln G^*/E^*", "tangential over normal stiffness"),
+    "log_static_friction": Label(r"\ln \mu_s", "static friction"),
+    "log_rolling_friction": Label(r"\ln \mu_r", "rolling friction"),
+    "log_rebound": Label(r"\ln (1+e)", "restitution"),
+    "plate_angle": Label(r"\varphi", "plate angle"),
+    "jet_width": Label(r"\cos\theta", "width of the jet"),
+    "plate_angle_squared": Label(r"\varphi^2", "square of the plate angle"),
+}
+"""Labels of the terms of the power law: its constant and the groups of `abradem.surrogate.groups`."""
+
+MEASURE_WORDS = {
+    "total": "all tangential motion under load",
+    "sliding": "sliding while Coulomb's limit is active",
+    "friction": "friction work over the coefficient of friction",
+}
+"""The wear measures of `abradem.quantities.WEAR_MEASURES`."""
+
+STATISTIC_WORDS = {
+    "mean": "mean over the plate",
+    "footprint": "mean over the footprint",
+    "p99": "99th percentile of facets",
+    "max": "worst facet",
+}
+"""The statistics over the plate of `abradem.quantities.STATISTICS`."""
+
+WEAR_WORDS = {
+    wear_column(measure, statistic): f"wear depth rate, {of_statistic} ({of_measure})"
+    for measure, of_measure in MEASURE_WORDS.items()
+    for statistic, of_statistic in STATISTIC_WORDS.items()
+}
+"""What each wear rate of the data set is, by its column."""
+
+PROTOCOLS = {"as_published": "as published", "leakage_free": "leakage-free"}
+"""The protocols of `abradem.learning.protocols`."""
+
+MODELS = {
+    "linear": "least squares",
+    "lasso": "lasso",
+    "ridge": "ridge",
+    "pca_wrong_target": "PCA, wrong target",
+    "pca": "PCA regression",
+    "tree": "decision tree",
+    "forest": "random forest",
+    "paper_net": "449-24-500-385 net",
+    "ga_ann": "GA-ANN",
+    "power_law": "power law",
+    "boosting": "boosting",
+    "networks": "network ensemble",
+    "gaussian_process": "Gaussian process",
+    "surrogate": "surrogate (distilled)",
+}
+"""The models of `abradem.learning`, by the names that tables give them."""
+
+
+def feature_label(name: str) -> str:
+    """X number and symbol of a quantity, such as ``X13  $\\varphi$``."""
+    return f"{quantity(name).symbol}  ${LABELS[name].tex}$"

@@ -1,0 +1,231 @@
+"""The command line: one case again, a configuration checked, one line for whatever is wrong."""
+
+from __future__ import annotations
+
+import dataclasses
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import abradem
+import abradem.dem
+from abradem.cli.main import main
+from abradem.config import read_config, sampled_ranges, setup_dict, to_yaml
+from abradem.dem.model import Case, Setup, SimulationResult
+from abradem.sampling.draw import block_cases
+from abradem.store.tables import read_table, write_table
+
+ROOT = Path(__file__).parents[2]
+STEADY_FROM, END = 0.5, 3.5
+RATE = 7.0  # J/s of the made-up series, all wear measures alike
+
+
+@pytest.fixture(scope="module")
+def config():
+    return read_config(ROOT / "config.yaml", ROOT / "studies/smoke.yaml")
+
+
+@pytest.fixture
+def study(tmp_path, config):
+    """Return a folder of results as the workflow leaves it after sampling; case 8 is rejected."""
+    folder = tmp_path / "results" / "smoke"
+    folder.mkdir(parents=True)
+    (folder / "config.yaml").write_text(to_yaml(config))
+    size, ranges = config.sampling.cases_per_block, sampled_ranges(config)
+    for block in range(config.sampling.blocks):
+        cases = block_cases(config.seed, block, size, config.sampling.method, ranges)
+        cases.loc[cases["case_id"] == 8, "rejected"] = "too soft for this speed"
+        write_table(cases, folder / "cases" / f"block-{block:03d}.parquet")
+    return folder
+
+
+@pytest.fixture
+def simulated(monkeypatch):
+    """Put a straight line in place of the engine and record what it was asked for."""
+    asked = []
+
+    def simulate(case, setup, *args, **kwargs):
+        asked.append((case, setup))
+        time = np.linspace(0.0, END, 176)
+        per_facet = RATE * setup.window / np.prod(setup.facets)
+        wear = np.full((3, *setup.facets), per_facet)
+        numbers = {field.name: 0.1 for field in dataclasses.fields(SimulationResult)}
+        return SimulationResult(
+            **{
+                **numbers,
+                "case": case,
+                "setup": setup,
+                "status": "ok",
+                "time": time,
+                "worn": np.repeat(RATE * time[:, None], 3, axis=1),
+                "delivered_mass": 4.0 * time,
+                "present": np.full(time.size, 50),
+                "facet_wear": wear,
+                "facet_wear_all": wear,
+                "window": (STEADY_FROM, STEADY_FROM + setup.window),
+                "steady_from": STEADY_FROM,
+                "simulated_time": END,
+                "requested_rate": 4.0,
+                "delivered_rate": 4.0,
+                "max_overlap": 0.01,
+                "released": 20,
+                "removed": 18,
+                "energy": {},
+            }
+        )
+
+    monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
+    return asked
+
+
+def test_the_case_of_the_study_is_simulated(study, simulated, config, capsys):
+    assert main(["simulate", "--study", str(study), "--case", "7"]) == 0
+    cases = read_table(study / "cases" / "block-001.parquet").set_index("case_id")
+    expected = Case.from_row(cases.loc[7])
+    assert simulated == [(expected, Setup.from_dict(setup_dict(config)))]
+    first, second = capsys.readouterr().out.splitlines()
+    assert first == "case 7: ok, 3.5 s simulated"
+    depth_rate = 1e3 * RATE * expected.archard_constant / 0.09
+    assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
+
+
+def test_series_is_written_with_its_units(study, simulated, tmp_path):
+    path = tmp_path / "out" / "series.parquet"
+    assert main(["simulate", "--study", str(study), "--case", "0", "--series", str(path)]) == 0
+    series = read_table(path)
+    assert list(series["case_id"].unique()) == [0]
+    np.testing.assert_array_equal(series["worn_total"], RATE * series["time"])
+
+
+@pytest.mark.parametrize(("given", "interval"), [([], 0.01), (["--interval", "0.25"], 0.25)])
+def test_snapshots_are_those_of_the_same_case(study, simulated, monkeypatch, given, interval):
+    written = []
+    module = types.SimpleNamespace(write_snapshots=lambda *what: written.append(what))
+    monkeypatch.setitem(sys.modules, "abradem.simulation.snapshots", module)
+    arguments = ["simulate", "--study", str(study), "--case", "3", "--snapshots", "s.parquet"]
+    assert main([*arguments, *given]) == 0
+    assert written == [(*simulated[0], Path("s.parquet"), interval)]
+
+
+def test_rejected_case_says_why_and_is_not_simulated(study, simulated, capsys):
+    assert main(["simulate", "--study", str(study), "--case", "8"]) == 1
+    assert capsys.readouterr().out == ("case 8: rejected: too soft for this speed, 0 s simulated\n")
+    assert simulated == []
+
+
+def one_line(capsys) -> str:
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    return captured.err.strip()
+
+
+def test_unknown_case_is_one_line(study, simulated, capsys):
+    assert main(["simulate", "--study", str(study), "--case", "12"]) == 2
+    assert one_line(capsys) == f"{study}/cases: there is no case 12 (allowed 0 ... 11)"
+
+
+def test_missing_folder_is_one_line(tmp_path, capsys):
+    assert main(["simulate", "--study", str(tmp_path / "none"), "--case", "0"]) == 2
+    assert one_line(capsys).endswith("there is no such folder; give one such as results/paper")
+
+
+def test_folder_without_configuration_is_one_line(tmp_path, capsys):
+    assert main(["simulate", "--study", str(tmp_path), "--case", "0"]) == 2
+    assert one_line(capsys) == f"{tmp_path}/config.yaml: there is no such file"
+
+
+def test_folder_without_cases_is_one_line(tmp_path, config, capsys):
+    (tmp_path / "config.yaml").write_text(to_yaml(config))
+    assert main(["simulate", "--study", str(tmp_path), "--case", "0"]) == 2
+    assert "holds no block-*.parquet" in one_line(capsys)
+
+
+def test_corrupt_table_of_cases_is_one_line(study, capsys):
+    (study / "cases" / "block-000.parquet").write_bytes(b"PAR1 no more")
+    assert main(["simulate", "--study", str(study), "--case", "0"]) == 2
+    assert "block-000.parquet: truncated, corrupt or not Parquet" in one_line(capsys)
+
+
+def test_interval_without_snapshots_is_one_line(study, capsys):
+    assert main(["simulate", "--study", str(study), "--case", "0", "--interval", "1"]) == 2
+    assert one_line(capsys) == "--interval needs --snapshots FOLDER"
+
+
+def test_an_error_of_the_program_itself_is_not_hidden(study, monkeypatch):
+    def broken(case, setup):
+        raise KeyError("a bug")
+
+    monkeypatch.setitem(vars(abradem.dem), "simulate", broken)
+    with pytest.raises(KeyError, match="a bug"):
+        main(["simulate", "--study", str(study), "--case", "0"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "the following arguments are required: command"),
+        (["fly"], "invalid choice: 'fly'"),
+        (["simulate", "--case", "1"], "the following arguments are required: --study"),
+        (["simulate", "--study", "x", "--case", "one"], "argument --case: invalid int value"),
+        (["simulate", "--study", "x", "--case", "1", "--interval", "-1"],
+         "argument --interval: '-1' is no positive number"),
+        (["simulate", "--study", "x", "--case", "1", "--interval", "nan"],
+         "argument --interval: 'nan' is no positive number"),
+    ],
+)  # fmt: skip
+def test_wrong_arguments_are_one_line(arguments, message, capsys):
+    with pytest.raises(SystemExit) as error:
+        main(arguments)
+    assert error.value.code == 2
+    assert message in one_line(capsys)
+
+
+def test_version_is_that_of_the_package(capsys):
+    with pytest.raises(SystemExit) as error:
+        main(["--version"])
+    assert error.value.code == 0
+    assert capsys.readouterr().out == f"abradem {abradem.__version__}\n"
+
+
+def test_a_good_configuration_is_estimated(capsys):
+    files = [str(ROOT / "config.yaml"), str(ROOT / "studies/smoke.yaml")]
+    assert main(["config", "--check", *files]) == 0
+    assert capsys.readouterr().out.startswith("smoke: 12 cases in 2 blocks, ")
+
+
+def test_folder_of_the_results_is_that_of_the_study(capsys):
+    files = [str(ROOT / "config.yaml"), str(ROOT / "studies/smoke.yaml")]
+    assert main(["config", "--folder", *files]) == 0
+    assert capsys.readouterr().out == "results/smoke\n"
+
+
+def test_a_bad_configuration_is_one_line_per_problem(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("config.yaml").write_text("study: a b\nseed: -1\n")
+    assert main(["config", "--check", "config.yaml"]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split(":")[1] for line in lines] == [" study", " seed"]
+
+
+def test_the_command_is_light_until_it_works():
+    heavy = ["numba", "torch", "sklearn", "matplotlib", "pandas", "scipy", "snakemake"]
+    code = (
+        "import sys, abradem.cli.main, abradem.config\n"
+        f"print([name for name in {heavy} if name in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
+
+
+def test_cases_of_a_study_survive_their_file_bit_for_bit(study, config):
+    ranges = sampled_ranges(config)
+    drawn = block_cases(config.seed, 0, config.sampling.cases_per_block, "lhs", ranges)
+    pd.testing.assert_frame_equal(
+        read_table(study / "cases" / "block-000.parquet"), drawn, check_exact=True
+    )

@@ -1,0 +1,678 @@
+# ruff: noqa: E501  (each expected line is the one that the user sees)
+"""The configuration: files in the repository, every kind of mistake, handing on."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from abradem.config import (
+    Config,
+    ConfigError,
+    declaration,
+    documentation,
+    explaining,
+    load_config,
+    read_config,
+    sampled_ranges,
+    schema,
+    setup_dict,
+    to_yaml,
+)
+from abradem.dem import model
+from abradem.dem.model import Setup
+from abradem.quantities import SAMPLED
+from abradem.running import effort
+from abradem.running.effort import estimate
+from abradem.sampling.cost import SECONDS_PER_PARTICLE
+
+ROOT = Path(__file__).parents[2]
+CONFIG = ROOT / "config.yaml"
+STUDIES = sorted((ROOT / "studies").glob("*.yaml"))
+
+MALFORMED = {
+    "fewest_layers_above_most": (
+        "study: a\nlearning:\n  ga_ann:\n    min_layers: 7\n",
+        "config.yaml: learning.ga_ann.min_layers: 7: must not exceed max_layers (allowed up to 6)",
+    ),
+    "elites_fill_the_population": (
+        "study: a\nlearning:\n  ga_ann:\n    elites: 10\n",
+        "config.yaml: learning.ga_ann.elites: 10: is too many for a population of 10 (allowed up to 9)",
+    ),
+    "columns_without_a_table": (
+        "study: a\ndataset:\n  columns: {plate_angle: slope}\n",
+        'config.yaml: dataset.columns: {plate_angle: "slope"}: needs the table it is about, dataset.external',
+    ),
+    "column_that_is_no_name": (
+        "study: a\ndataset:\n  external: t.csv\n  columns: {plate_angle: 3}\n",
+        "config.yaml: dataset.columns: {plate_angle: 3}: plate_angle: must be a column's name, or [name, unit] (allowed {name: column} or {name: [column, unit]})",
+    ),
+    "columns_that_are_a_list": (
+        "study: a\ndataset:\n  external: t.csv\n  columns: [slope]\n",
+        'config.yaml: dataset.columns: ["slope"]: must be a section of our names and the table\'s (allowed {name: column} or {name: [column, unit]})',
+    ),
+    "external_that_is_no_path": (
+        "study: a\ndataset:\n  external: 3\n",
+        "config.yaml: dataset.external: 3: must be text; put it in quotes (allowed the path of a file or null)",
+    ),
+    "misspelled_section": (
+        "study: a\nsimulatoin:\n  gravity: 9.81\n",
+        "config.yaml: simulatoin: {gravity: 9.81}: unknown key, did you mean simulation?",
+    ),
+    "misspelled_key": (
+        "study: a\nsampling:\n  blokcs: 3\n",
+        "config.yaml: sampling.blokcs: 3: unknown key, did you mean blocks?",
+    ),
+    "key_of_another_section": (
+        "study: a\nsampling:\n  window_s: 3\n",
+        "config.yaml: sampling.window_s: 3: unknown key here, did you mean simulation.stop.window_s?",
+    ),
+    "unknown_key_like_no_other": (
+        "study: a\nfigures:\n  zebra: 3\n",
+        "config.yaml: figures.zebra: 3: unknown key (allowed formats, series_cases, typical, angles, movie)",
+    ),
+    "duplicate_key": (
+        "study: a\nsampling:\n  blocks: 2\n  method: lhs\n  blocks: 3\n",
+        "config.yaml: sampling.blocks: 3: given twice, on lines 3 and 5; a key may stand only once",
+    ),
+    "duplicate_section": (
+        "study: a\nsampling:\n  blocks: 2\nsampling:\n  method: lhs\n",
+        'config.yaml: sampling: {method: "lhs"}: given twice, on lines 2 and 4; a key may stand only once',
+    ),
+    "whole_number_in_quotes": (
+        'study: a\nseed: "7"\n',
+        'config.yaml: seed: "7": must be a whole number, not text; write it without quotes (allowed 0 ... 9223372036854775807)',
+    ),
+    "number_in_quotes": (
+        'study: a\nsimulation:\n  gravity: "9.81"\n',
+        'config.yaml: simulation.gravity: "9.81": must be a number, not text; write it without quotes (allowed 0 ... 1000 m/s2)',
+    ),
+    "exponent_without_point": (
+        "study: a\nsampling:\n  ranges:\n    archard_constant: [1e-10, 1.0e-8]\n",
+        'config.yaml: sampling.ranges.archard_constant: ["1e-10", 1.0e-08]: must be a number; YAML reads this as text, write 1.0e-10 (allowed 1.0e-16 ... 0.0001 1/Pa)',
+    ),
+    "true_for_a_number": (
+        "study: a\nsimulation:\n  gravity: true\n",
+        "config.yaml: simulation.gravity: true: must be a number (allowed 0 ... 1000 m/s2)",
+    ),
+    "true_for_a_bound": (
+        "study: a\nsampling:\n  ranges:\n    restitution: [false, true]\n",
+        "config.yaml: sampling.ranges.restitution: [false, true]: must be a number (allowed 0.05 ... 1)",
+    ),
+    "nan": (
+        "study: a\nsimulation:\n  gravity: .nan\n",
+        "config.yaml: simulation.gravity: .nan: must be a finite number (allowed 0 ... 1000 m/s2)",
+    ),
+    "infinity": (
+        "study: a\nsimulation:\n  stop:\n    max_time_s: .inf\n",
+        "config.yaml: simulation.stop.max_time_s: .inf: must be a finite number (allowed above 0 up to 100000 s)",
+    ),
+    "nan_for_a_bound": (
+        "study: a\nsampling:\n  ranges:\n    plate_angle: [0, .nan]\n",
+        "config.yaml: sampling.ranges.plate_angle: [0, .nan]: must be a finite number (allowed -90 ... 90 deg)",
+    ),
+    "swapped_bounds": (
+        "study: a\nsampling:\n  ranges:\n    restitution: [0.9, 0.2]\n",
+        "config.yaml: sampling.ranges.restitution: [0.9, 0.2]: lower bound must not exceed the upper bound (allowed 0.05 ... 1)",
+    ),
+    "bound_out_of_physical_limits": (
+        "study: a\nsampling:\n  ranges:\n    particle_poisson_ratio: [0.2, 0.6]\n",
+        "config.yaml: sampling.ranges.particle_poisson_ratio: [0.2, 0.6]: 0.6 is out of range (allowed 0 ... 0.499)",
+    ),
+    "fixed_value_out_of_limits": (
+        "study: a\nsampling:\n  ranges:\n    restitution: 0\n",
+        "config.yaml: sampling.ranges.restitution: 0: 0 is out of range (allowed 0.05 ... 1)",
+    ),
+    "upward_velocity": (
+        "study: a\nsampling:\n  ranges:\n    particle_velocity_y: [-10, 5]\n",
+        "config.yaml: sampling.ranges.particle_velocity_y: [-10, 5]: 5 is out of range (allowed -30 ... 0 m/s)",
+    ),
+    "shear_modulus_in_pascal": (
+        "study: a\nsampling:\n  ranges:\n    particle_shear_modulus_gpa: [2.0e+9, 1.0e+10]\n",
+        "config.yaml: sampling.ranges.particle_shear_modulus_gpa: [2000000000.0, 10000000000.0]: 2.0e+09 is out of range; the key is in GPa, for values in Pa write [2, 10] (allowed 0.001 ... 1000 GPa)",
+    ),
+    "radius_in_metres": (
+        "study: a\nsampling:\n  ranges:\n    particle_radius_mm: [0.005, 0.04]\n",
+        "config.yaml: sampling.ranges.particle_radius_mm: [0.005, 0.04]: 0.005 is out of range; the key is in mm, for values in m write [5, 40] (allowed 0.1 ... 100 mm)",
+    ),
+    "unit_missing_in_the_key": (
+        "study: a\nsampling:\n  ranges:\n    particle_shear_modulus: [2, 10]\n",
+        "config.yaml: sampling.ranges.particle_shear_modulus: [2, 10]: unknown key, did you mean particle_shear_modulus_gpa (in GPa)?",
+    ),
+    "second_missing_in_the_key": (
+        "study: a\nsimulation:\n  stop:\n    window: 5\n",
+        "config.yaml: simulation.stop.window: 5: unknown key, did you mean window_s (in s)?",
+    ),
+    "wrong_unit_in_the_key": (
+        "study: a\nsampling:\n  ranges:\n    particle_radius_m: [0.005, 0.04]\n",
+        "config.yaml: sampling.ranges.particle_radius_m: [0.005, 0.04]: unknown key, did you mean particle_radius_mm (in mm)?",
+    ),
+    "three_bounds": (
+        "study: a\nsampling:\n  ranges:\n    restitution: [0.2, 0.5, 0.8]\n",
+        "config.yaml: sampling.ranges.restitution: [0.2, 0.5, 0.8]: must be one number or two, [lower bound, upper bound] (allowed 0.05 ... 1)",
+    ),
+    "range_as_text": (
+        "study: a\nsampling:\n  ranges:\n    restitution: 0.2-0.8\n",
+        'config.yaml: sampling.ranges.restitution: "0.2-0.8": must be a number (allowed 0.05 ... 1)',
+    ),
+    "unknown_method": (
+        "study: a\nsampling:\n  method: latin\n",
+        'config.yaml: sampling.method: "latin": is unknown (allowed lhs, sobol, uniform)',
+    ),
+    "no_cases": (
+        "study: a\nsampling:\n  cases_per_block: 0\n",
+        "config.yaml: sampling.cases_per_block: 0: is out of range (allowed 1 ... 100000)",
+    ),
+    "negative_number_of_blocks": (
+        "study: a\nsampling:\n  blocks: -1\n",
+        "config.yaml: sampling.blocks: -1: is out of range (allowed 1 ... 10000)",
+    ),
+    "too_many_cases": (
+        "study: a\nsampling:\n  cases_per_block: 1000000000\n",
+        "config.yaml: sampling.cases_per_block: 1000000000: is out of range (allowed 1 ... 100000)",
+    ),
+    "half_a_case": (
+        "study: a\nsampling:\n  cases_per_block: 12.5\n",
+        "config.yaml: sampling.cases_per_block: 12.5: must be a whole number (allowed 1 ... 100000)",
+    ),
+    "empty_file": (
+        "",
+        "config.yaml: the file is empty; it must hold keys, such as study",
+    ),
+    "nothing_but_comments": (
+        "# nothing\n",
+        "config.yaml: the file is empty; it must hold keys, such as study",
+    ),
+    "list_instead_of_keys": (
+        "- study\n",
+        'config.yaml: holds ["study"], not keys; it must begin with a key, such as study',
+    ),
+    "word_instead_of_keys": (
+        "paper\n",
+        'config.yaml: holds "paper", not keys; it must begin with a key, such as study',
+    ),
+    "not_utf8": (
+        b"study: a # \xe9\n",
+        "config.yaml: byte 12 is not UTF-8; save the file as UTF-8 text",
+    ),
+    "tag_that_would_run_code": (
+        "study: !!python/object/apply:os.system ['true']\n",
+        "config.yaml: line 1: the tag !!python/object/apply:os.system is refused; only plain numbers, text, lists and keys are read",
+    ),
+    "broken_yaml": (
+        "study: [a\n",
+        "config.yaml: line 2: not valid YAML: expected ',' or ']', but got '<stream end>'",
+    ),
+    "tab_as_indent": (
+        "study: a\nsampling:\n\tblocks: 2\n",
+        "config.yaml: line 3: not valid YAML: found character '\\t' that cannot start any token",
+    ),
+    "study_leaves_the_results_folder": (
+        "study: ../../etc\n",
+        'config.yaml: study: "../../etc": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
+    ),
+    "study_with_odd_characters": (
+        "study: my study!\n",
+        'config.yaml: study: "my study!": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
+    ),
+    "hidden_study": (
+        "study: .hidden\n",
+        'config.yaml: study: ".hidden": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
+    ),
+    "study_is_a_number": (
+        "study: 2024\n",
+        "config.yaml: study: 2024: must be text; put it in quotes (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)",
+    ),
+    "no_study": (
+        "seed: 1\n",
+        "config.yaml: study: (missing): is required (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)",
+    ),
+    "both_feeds": (
+        "study: a\nsimulation:\n  factory:\n    number_rate_per_s: 100\n",
+        "config.yaml: simulation.factory.number_rate_per_s: 100: feed: mass takes its rate from mass_rate_kg_s (allowed null here)",
+    ),
+    "mass_feed_without_mass_rate": (
+        "study: a\nsimulation:\n  factory:\n    mass_rate_kg_s: null\n",
+        "config.yaml: simulation.factory.mass_rate_kg_s: null: feed: mass needs this rate (allowed a number above 0)",
+    ),
+    "unknown_feed": (
+        "study: a\nsimulation:\n  factory:\n    feed: volume\n",
+        'config.yaml: simulation.factory.feed: "volume": is unknown (allowed mass, number)',
+    ),
+    "negative_mass_rate": (
+        "study: a\nsimulation:\n  factory:\n    mass_rate_kg_s: -4\n",
+        "config.yaml: simulation.factory.mass_rate_kg_s: -4: is out of range (allowed above 0 up to 1.0e+06 kg/s or null)",
+    ),
+    "time_step_in_percent": (
+        "study: a\nsimulation:\n  time_step_rayleigh_fraction: 20\n",
+        "config.yaml: simulation.time_step_rayleigh_fraction: 20: is out of range (allowed 0.001 ... 0.4)",
+    ),
+    "particle_wider_than_the_plate": (
+        "study: a\nsimulation:\n  plate:\n    length_mm: 60\n",
+        "config.yaml: sampling.ranges.particle_radius_mm: [5.0, 40.0] (default): a particle must not be wider than the plate (allowed radius up to 30 mm on a plate of 60 x 300 mm)",
+    ),
+    "facet_larger_than_the_plate": (
+        "study: a\nsimulation:\n  plate:\n    facet_size_mm: 400\n",
+        "config.yaml: simulation.plate.facet_size_mm: 400: a facet must not be larger than the plate (allowed up to 300 mm)",
+    ),
+    "too_many_facets": (
+        "study: a\nsimulation:\n  plate:\n    facet_size_mm: 0.01\n",
+        "config.yaml: simulation.plate.facet_size_mm: 0.01: divides the plate into 900000000 facets (allowed up to 1000000)",
+    ),
+    "end_before_the_window_closes": (
+        "study: a\nsimulation:\n  stop:\n    max_time_s: 4\n",
+        "config.yaml: simulation.stop.max_time_s: 4: must be longer than the window (allowed above 5 s)",
+    ),
+    "too_few_samples": (
+        "study: a\nsimulation:\n  stop:\n    sample_interval_s: 1\n",
+        "config.yaml: simulation.stop.sample_interval_s: 1: gives too few samples for 20 batches of the window (allowed up to 0.25 s)",
+    ),
+    "empty_section": (
+        "study: a\nsampling:\n",
+        "config.yaml: sampling: null: is an empty section; give keys or remove the line (allowed method, blocks, cases_per_block, ranges)",
+    ),
+    "number_instead_of_a_section": (
+        "study: a\nsampling: 200\n",
+        "config.yaml: sampling: 200: must be a section of keys (allowed method, blocks, cases_per_block, ranges)",
+    ),
+    "unknown_word_for_cases_per_job": (
+        "study: a\nsimulation:\n  cases_per_job: many\n",
+        'config.yaml: simulation.cases_per_job: "many": must be auto or a whole number (allowed auto or 1 ... 100000)',
+    ),
+    "no_cases_in_a_job": (
+        "study: a\nsimulation:\n  cases_per_job: 0\n",
+        "config.yaml: simulation.cases_per_job: 0: is out of range (allowed auto or 1 ... 100000)",
+    ),
+    "incomplete_pair_interaction": (
+        "study: a\nsimulation:\n  pair_interaction:\n    restitution: 0.35\n    static_friction: 0.56\n",
+        "config.yaml: simulation.pair_interaction.rolling_friction: (missing): is required (allowed 0 ... 1)",
+    ),
+    "pair_interaction_as_a_word": (
+        "study: a\nsimulation:\n  pair_interaction: same\n",
+        'config.yaml: simulation.pair_interaction: "same": must be a section of keys (allowed restitution, static_friction, rolling_friction)',
+    ),
+    "unknown_target": (
+        "study: a\nlearning:\n  target: wear_mean\n",
+        'config.yaml: learning.target: "wear_mean": is unknown (allowed wear_total_mean, wear_total_footprint, wear_total_p99, wear_total_max, wear_sliding_mean, wear_sliding_footprint, wear_sliding_p99, wear_sliding_max, wear_friction_mean, wear_friction_footprint, wear_friction_p99, wear_friction_max)',
+    ),
+    "case_that_does_not_exist": (
+        "study: a\nfigures:\n  series_cases: [0, 500]\n",
+        "config.yaml: figures.series_cases: [0, 500]: there is no case 500 (allowed 0 ... 199)",
+    ),
+    "negative_case": (
+        "study: a\nfigures:\n  series_cases: [-1]\n",
+        "config.yaml: figures.series_cases[0]: -1: is out of range (allowed a list of case numbers from 0)",
+    ),
+    "format_instead_of_a_list": (
+        "study: a\nfigures:\n  formats: svg\n",
+        'config.yaml: figures.formats: "svg": must be a list (allowed a list of pdf and png)',
+    ),
+    "unknown_format": (
+        "study: a\nfigures:\n  formats: [svg]\n",
+        'config.yaml: figures.formats[0]: "svg": is unknown (allowed a list of pdf and png)',
+    ),
+    "no_format": (
+        "study: a\nfigures:\n  formats: []\n",
+        "config.yaml: figures.formats: []: must not be empty (allowed a list of pdf and png)",
+    ),
+    "no_png_for_the_report": (
+        "study: a\nfigures:\n  formats: [pdf]\n",
+        'config.yaml: figures.formats: ["pdf"]: must include png, which the report shows (allowed pdf, png)',
+    ),
+    "file_that_refers_to_itself": (
+        "study: a\nsampling: &s\n  ranges: *s\n",
+        "config.yaml: line 2: nested more than 8 levels deep",
+    ),
+    "number_as_a_key": (
+        "study: a\n1: 2\n",
+        "config.yaml: line 2: a key must be a plain word",
+    ),
+    "impossible_date": (
+        "study: 2024-13-45\n",
+        "config.yaml: line 1: not valid YAML: month must be in 1..12",
+    ),
+    "two_problems": (
+        "study: a b\nseed: -1\n",
+        'config.yaml: study: "a b": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)\nconfig.yaml: seed: -1: is out of range (allowed 0 ... 9223372036854775807)',
+    ),
+    "seed_beyond_64_bits": (
+        "study: a\nseed: 99999999999999999999\n",
+        "config.yaml: seed: 99999999999999999999: is out of range (allowed 0 ... 9223372036854775807)",
+    ),
+    "no_seed": (
+        "study: a\nseed: null\n",
+        "config.yaml: seed: null: must be a whole number (allowed 0 ... 9223372036854775807)",
+    ),
+    "line_break_in_a_key": (
+        'study: a\n"se\\ned": 3\n',
+        "config.yaml: se\\ned: 3: unknown key, did you mean seed?",
+    ),
+    "long_value_is_cut": (
+        "study: " + "a" * 100 + "\n",
+        'config.yaml: study: "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa ...: is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
+    ),
+    "merge_key": (
+        "study: a\n<<: {seed: 3}\n",
+        "config.yaml: line 2: a key must be a plain word",
+    ),
+    "anchors_that_stand_for_millions": (
+        "study: a\na: &a [0, 0, 0, 0, 0, 0, 0, 0, 0, 0]\n"
+        + "".join(
+            f"{to}: &{to} [{', '.join([f'*{of}'] * 10)}]\n"
+            for of, to in ("ab", "bc", "cd", "de", "ef")
+        ),
+        "config.yaml: line 2: holds more than 20000 values",
+    ),
+    "thousands_of_brackets": (
+        "study: " + "[" * 5000,
+        "config.yaml: nested more than 8 levels deep",
+    ),
+    "larger_than_any_configuration": (
+        "study: a\n" + "# more\n" * 200_000,
+        "config.yaml: is larger than 1000 kB",
+    ),
+    "template_that_would_run_code": (
+        "__use_yte__: true\nstudy: ?open('x', 'w')\n",
+        """config.yaml: study: "?open('x', 'w')": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)\nconfig.yaml: __use_yte__: true: unknown key (allowed study, seed, sampling, simulation, wear_rate, dataset, features, learning, figures, publish)""",
+    ),
+    "more_cases_than_there_is_time_for": (
+        "study: a\nsampling:\n  blocks: 10000\n  cases_per_block: 100000\n",
+        "config.yaml: sampling.blocks: 10000: makes 1000000000 cases with 100000 in a block (allowed up to 1000000 cases in all)",
+    ),
+    "more_jobs_than_a_workflow_holds": (
+        "study: a\nsampling:\n  blocks: 10\n  cases_per_block: 10000\nsimulation:\n  cases_per_job: 1\n",
+        "config.yaml: simulation.cases_per_job: 1: makes 100000 simulation jobs (allowed up to 20000; take more cases per job, or fewer and larger blocks)",
+    ),
+    "more_samples_than_a_series_holds": (
+        "study: a\nsimulation:\n  stop:\n    sample_interval_s: 0.00001\n",
+        "config.yaml: simulation.stop.sample_interval_s: 1.0e-05: gives more than 100000 samples in max_time_s (allowed from 0.0006 s)",
+    ),
+    "maps_that_fill_the_memory": (
+        "study: a\nsimulation:\n  plate:\n    facet_size_mm: 0.5\n  stop:\n    max_time_s: 25000\n    sample_interval_s: 0.25\n",
+        "config.yaml: simulation.plate.facet_size_mm: 0.5: with 360000 facets, 50000 maps of a case would fill the memory; take larger facets, a longer window or a shorter max_time_s (allowed 4 GB)",
+    ),
+    "step_that_never_ends": (
+        "study: a\nsimulation:\n  time_step_rayleigh_fraction: 1.0e-9\n",
+        "config.yaml: simulation.time_step_rayleigh_fraction: 1.0e-09: is out of range (allowed 0.001 ... 0.4)",
+    ),
+    "name_taken_by_the_benchmarks": (
+        "study: Benchmarks\n",
+        'config.yaml: study: "Benchmarks": is taken by the results of make bench (allowed: another name)',
+    ),
+    "table_that_the_study_itself_writes": (
+        "study: a\ndataset:\n  external: results/a/dataset.parquet\n",
+        'config.yaml: dataset.external: "results/a/dataset.parquet": is a result of this very study (allowed: a file elsewhere, or another study)',
+    ),
+    "number_beyond_double_precision": (
+        "study: a\nsimulation:\n  gravity: 1" + "0" * 400 + "\n",
+        "config.yaml: simulation.gravity: 10000000000000000000000000000000000000000000000000000000 ...: must be a number (allowed 0 ... 1000 m/s2)",
+    ),
+}
+
+
+@pytest.fixture
+def write(tmp_path, monkeypatch):
+    """Work in an empty folder; the fixture writes a file there and returns its name."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(text: str | bytes, name: str = "config.yaml") -> str:
+        Path(name).write_bytes(text if isinstance(text, bytes) else text.encode())
+        return name
+
+    return write
+
+
+def snakemake_merge(*documents: dict) -> dict:
+    """Merge as Snakemake does: deeply, lists replaced."""
+    merged: dict = {}
+    for document in documents:
+        for key, value in document.items():
+            if isinstance(value, dict):
+                merged[key] = snakemake_merge(merged.get(key) or {}, value)
+            else:
+                merged[key] = value
+    return merged
+
+
+@pytest.mark.parametrize("name", MALFORMED)
+def test_each_mistake_prints_its_line(write, name):
+    text, line = MALFORMED[name]
+    with pytest.raises(ConfigError) as error:
+        read_config(write(text))
+    assert str(error.value) == line
+
+
+def test_the_list_of_mistakes_is_long_and_each_problem_is_one_line():
+    assert len(MALFORMED) >= 30
+    for text, lines in MALFORMED.values():
+        assert all(line.startswith("config.yaml: ") for line in lines.split("\n")), text
+
+
+def test_missing_file_is_one_line(write):
+    with pytest.raises(ConfigError, match=r"^studies/none\.yaml: there is no such file$"):
+        read_config("studies/none.yaml")
+
+
+def test_problem_names_the_file_in_which_the_value_stands(write):
+    base = write("study: a\nsampling:\n  blocks: 0\n")
+    overlay = write("sampling:\n  cases_per_block: 0\n", "overlay.yaml")
+    with pytest.raises(ConfigError) as error:
+        read_config(base, overlay)
+    assert error.value.problems == [
+        "config.yaml: sampling.blocks: 0: is out of range (allowed 1 ... 10000)",
+        "override file.yaml: sampling.cases_per_block: 0: is out of range (allowed 1 ... 100000)",
+    ]
+
+
+def test_all_unreadable_files_are_named(write):
+    with pytest.raises(ConfigError) as error:
+        read_config(write("", "one.yaml"), write("a: [", "two.yaml"))
+    assert [line.split(":")[0] for line in error.value.problems] == ["one.yaml", "two.yaml"]
+
+
+def test_duplicate_keys_are_found_in_what_was_merged_already(write):
+    name = write("study: a\nseed: 1\nseed: 2\n")
+    with pytest.raises(ConfigError, match=r"^config\.yaml: seed: 2: given twice, on lines 2 and 3"):
+        load_config({"study": "a", "seed": 2}, [name])
+
+
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        ({"sampling": {"blocks": "many"}},
+         'command line: sampling.blocks: "many": must be a whole number (allowed 1 ... 10000)'),
+        ({"sampling": {"blocks": "0"}},
+         "command line: sampling.blocks: 0: is out of range (allowed 1 ... 10000)"),
+        ({"blocks": 3},
+         "command line: blocks: 3: unknown key here, did you mean sampling.blocks?"),
+        ({"study": "../up"},
+         'command line: study: "../up": is no name for a folder (allowed letters, digits, _ and -, '
+         "beginning with a letter or digit, at most 64)"),
+    ],
+)  # fmt: skip
+def test_problem_of_the_command_line_is_named_so(write, given, line):
+    text = "study: a\nsampling:\n  blocks: 2\n"
+    merged = snakemake_merge(yaml.safe_load(text), given)
+    with pytest.raises(ConfigError) as error:
+        load_config(merged, [write(text)])
+    assert str(error.value) == line
+
+
+def test_nested_values_of_the_command_line_are_numbers_again(write):
+    # Snakemake hands over --config sampling='{blocks: 3, ranges: {restitution: [0.3, 0.5]}}' so.
+    name = write("study: a\nsampling:\n  blocks: 2\n")
+    given = {
+        "sampling": {"blocks": "3", "ranges": {"restitution": ["0.3", "0.5"]}},
+        "simulation": {"pair_interaction": "null"},
+    }
+    config = load_config(snakemake_merge({"study": "a"}, given), [name])
+    assert config.sampling.blocks == 3
+    assert config.sampling.ranges.restitution == (0.3, 0.5)
+    assert config.simulation.pair_interaction is None
+
+
+def test_missing_key_belongs_to_the_first_file(write):
+    with pytest.raises(ConfigError, match=r"^config\.yaml: study: \(missing\): is required"):
+        read_config(write("seed: 1\n"), write("sampling:\n  blocks: 1\n", "overlay.yaml"))
+
+
+def test_a_byte_order_mark_is_no_mistake(write):
+    assert read_config(write(b"\xef\xbb\xbfstudy: a\n")).study == "a"
+
+
+def test_overlay_is_merged_deeply_and_lists_are_replaced(write):
+    base = write("study: a\nsampling:\n  blocks: 3\n  ranges:\n    restitution: [0.3, 0.4]\n")
+    overlay = write("sampling:\n  ranges:\n    restitution: 0.5\n", "overlay.yaml")
+    config = read_config(base, overlay)
+    assert config.sampling.blocks == 3
+    assert config.sampling.ranges.restitution == (0.5, 0.5)
+
+
+def test_config_yaml_is_the_default_of_every_key():
+    # So the comments in config.yaml and the help texts describe the same study.
+    assert read_config(CONFIG) == Config(study="paper")
+    assert read_config(CONFIG).model_dump(mode="json") == yaml.safe_load(CONFIG.read_text())
+
+
+def test_paper_study_is_what_the_paper_simulates():
+    config = read_config(CONFIG)
+    assert config.cases == 200
+    assert config.sampling.method == "lhs"
+    # The paper's 0.2 would bias the headline by more than 1 % (docs/method.md).
+    assert config.simulation.time_step_rayleigh_fraction == 0.15
+    assert config.simulation.stop.window_s == 5.0
+    for row in SAMPLED:
+        assert tuple(sampled_ranges(config)[row.name]) == row.paper_range
+
+
+@pytest.mark.parametrize("study", STUDIES, ids=lambda path: path.stem)
+def test_every_study_is_a_valid_overlay(study):
+    assert read_config(CONFIG, study).cases > 0
+
+
+def test_grown_smoke_study_differs_in_the_number_of_blocks_only():
+    smoke = read_config(CONFIG, ROOT / "studies/smoke.yaml").model_dump()
+    grown = read_config(CONFIG, ROOT / "studies/smoke_grown.yaml").model_dump()
+    assert grown["sampling"].pop("blocks") == smoke["sampling"].pop("blocks") + 2
+    assert grown == smoke
+
+
+def test_schema_and_documentation_in_the_repository_are_the_generated_ones():
+    hint = "run python -m abradem.config --write"
+    assert json.loads((ROOT / documentation.SCHEMA_FILE).read_text()) == schema(), hint
+    assert (ROOT / documentation.DOCUMENTATION_FILE).read_text() == documentation(), hint
+
+
+def test_writing_regenerates_schema_and_documentation(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert documentation.main(["--write"]) == 0
+    assert (tmp_path / documentation.DOCUMENTATION_FILE).read_text() == documentation()
+    assert documentation.main([]) == 2
+
+
+def test_every_key_has_a_help_text():
+    for key, field in explaining.leaves():
+        assert field.description and field.description.endswith("."), key
+
+
+def test_schema_refuses_unknown_keys_everywhere():
+    sections = [schema(), *schema()["$defs"].values()]
+    assert all(section["additionalProperties"] is False for section in sections)
+
+
+@pytest.mark.parametrize(
+    ("section", "name", "allowed"),
+    [
+        (declaration.Contact, "normal", model.NORMAL_LAWS),
+        (declaration.Contact, "tangential", model.TANGENTIAL_LAWS),
+        (declaration.Contact, "tangential_damping", model.TANGENTIAL_DAMPINGS),
+        (declaration.Simulation, "stepping", model.STEPPINGS),
+    ],
+)
+def test_options_are_those_of_the_engine(section, name, allowed):
+    # They are repeated in abradem.config so that it need not import the engine.
+    assert get_args(section.model_fields[name].annotation) == allowed
+
+
+def test_default_setup_is_that_of_the_engine():
+    assert Setup.from_dict(setup_dict(Config(study="a"))) == model.Setup()
+
+
+def test_setup_is_plain_data_and_names_every_field_of_the_engine(write):
+    name = write(
+        "study: a\nsimulation:\n  pair_interaction:\n"
+        "    {restitution: 0.35, static_friction: 0.56, rolling_friction: 0.01}\n"
+        "  factory: {feed: number, mass_rate_kg_s: null, number_rate_per_s: 500}\n"
+    )
+    plain = json.loads(json.dumps(setup_dict(read_config(name))))
+    setup = Setup.from_dict(plain)
+    assert setup.pair_interaction == model.Interaction(0.35, 0.56, 0.01)
+    assert (setup.mass_rate, setup.number_rate) == (None, 500.0)
+    # duration and an absolute time step are for benchmarks, not for studies.
+    names = {field.name for field in dataclasses.fields(model.Setup)} - {"time_step", "duration"}
+    assert set(plain) == names
+
+
+def test_resolved_configuration_reads_back_as_itself(write):
+    config = read_config(CONFIG, ROOT / "studies/smoke.yaml")
+    assert read_config(write(to_yaml(config), "resolved.yaml")) == config
+
+
+@given(radius=st.integers(1, 1000).map(lambda tenth: tenth / 10))
+def test_millimetres_become_the_nearest_metres(radius):
+    ranges = {"particle_radius_mm": radius}
+    config = Config.model_validate({"study": "a", "sampling": {"ranges": ranges}})
+    assert sampled_ranges(config)["particle_radius"] == [radius / 1000.0, radius / 1000.0]
+
+
+@given(st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3)
+    | st.dictionaries(st.sampled_from(["study", "sampling", "ranges", "restitution", "x"]), inner),
+    max_leaves=10,
+).filter(lambda value: isinstance(value, dict)))  # fmt: skip
+def test_whatever_is_given_ends_in_a_configuration_or_in_one_line_per_problem(values):
+    try:
+        load_config(values)
+    except ConfigError as error:
+        assert error.problems
+        assert all(len(problem.splitlines()) == 1 for problem in error.problems)
+
+
+def test_estimate_is_one_line_that_counts_cases_blocks_and_jobs():
+    config = read_config(CONFIG, ROOT / "studies/smoke.yaml")
+    line = estimate(config, cores=2)
+    assert line.startswith("smoke: 12 cases in 2 blocks, 4 simulation jobs, simulated in about ")
+    assert line.endswith(" on 2 cores")
+
+
+def test_the_estimate_adds_up_cases_and_starts_of_jobs():
+    """Where no bed forms a case takes its particles times a constant, which `cost` states."""
+
+    def told(**changes):
+        study = {
+            "study": "a",
+            "sampling": {
+                "blocks": changes.get("blocks", 1),
+                "ranges": {"particle_radius_mm": 10, "particle_density": 2500, "plate_angle": 70},
+            },
+            "simulation": {"cases_per_job": 1, "stop": {"window_s": 99, "max_time_s": 100}},
+        }
+        line = estimate(Config.model_validate(study), cores=changes.get("cores", 1))
+        number, unit = re.search(r"about ([\d.]+) (\w+) on", line).groups()
+        return float(number) * {"s": 1.0, "min": 60.0, "h": 3600.0}[unit]
+
+    particles = 4.0 / (4.0 / 3.0 * math.pi * 0.01**3 * 2500.0) * 100.0
+    least = 100.0 * (particles * SECONDS_PER_PARTICLE + effort.SECONDS_PER_JOB)
+    assert least <= told() <= 1.3 * least
+    assert told(blocks=40) == pytest.approx(40.0 * told(), rel=0.1)
+    assert told(blocks=40, cores=8) == pytest.approx(told(blocks=5), rel=0.1)

@@ -1,0 +1,45 @@
+"""Numbers of LaTeX files against the results that they name as their source."""
+
+import math
+import re
+
+from abradem.report import latex
+
+
+def at_source(found, source):
+    """The value that a comment names."""
+    file, _, place = source.partition(": ")
+    percent = place.endswith(" [x 100]")
+    value = latex.lookup(found.files[file], place.removesuffix(" [x 100]"), file)
+    return 100.0 * value if percent else value
+
+
+def assert_agree(text, value):
+    if isinstance(value, str):
+        assert text == latex.escaped(value)
+    elif isinstance(value, list):
+        assert text == "-".join(map(str, value))
+    elif value is None or math.isnan(value):
+        assert text == latex.MISSING
+    else:
+        assert abs(latex.parsed(text) - value) <= latex.resolution(text) * (1.0 + 1e-9), text
+
+
+def macros(text):
+    return re.findall(r"^\\newcommand\{\\([A-Za-z]+)\}\{(.*)\} % (.*)$", text, re.MULTILINE)
+
+
+def rows(text):
+    """Cells and sources of every row with numbers."""
+    for line in text.splitlines():
+        cells, found, sources = line.partition(r" \\ % ")
+        if found:
+            yield cells.split(" & "), sources.split("; ")
+
+
+def is_number(cell):
+    try:
+        latex.parsed(cell)
+    except ValueError:
+        return False
+    return True

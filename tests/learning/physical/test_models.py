@@ -1,0 +1,293 @@
+"""Models on dimensionless groups: leakage-free, calibrated, aware of noise, and what they say."""
+
+import os
+
+import numpy as np
+import pandas as pd
+import pytest
+from tables import product_law
+
+from abradem.learning.physical import noise_floor as noise
+from abradem.learning.physical.intervals import calibrate
+from abradem.learning.physical.models import (
+    BOOSTING,
+    NETWORKS,
+    POWER_LAW,
+    PROCESS,
+    all_targets,
+    evaluate,
+    fit_physical,
+    makers,
+)
+from abradem.learning.physical.problem import problem
+from abradem.learning.physical.reach import extrapolate, learning_curve, sizes
+from abradem.learning.physical.sensitivity import (
+    PAPER,
+    partial_dependence,
+    permutation,
+    sobol,
+    verdict,
+)
+from abradem.learning.protocols import folds, repeated_splits
+from abradem.learning.scores import r2
+from abradem.report.findings import findings, to_html
+from abradem.surrogate.groups import Jet
+
+JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
+QUICK = {"boosting": {"trees": 60, "depth": 3}, "networks": {"members": 2, "steps": 600}}
+HASTY = {"boosting": {"trees": 5}, "networks": {"members": 1, "hidden": (8,), "steps": 20}}
+AUTHORS_TABLE = "ABRADEM_AUTHORS_TABLE"
+
+
+def law(n=150, scatter=0.05, seed=0):
+    """Wear of a smooth law, with the standard error that it has."""
+    table = product_law(n, scatter, seed)
+    return table.assign(wear_total_mean_stderr=scatter * table["wear_total_mean"])
+
+
+@pytest.fixture(scope="module")
+def given():
+    return problem(law(), JET)
+
+
+@pytest.fixture(scope="module")
+def process(given):
+    everything = np.arange(len(given.log_number))
+    return makers(1)[PROCESS]().fit(given.groups[everything], given.log_number, given.error)
+
+
+def median_r2(results, model, split="test"):
+    rows = results.scores.query("model == @model and split == @split and metric == 'R2'")
+    return rows["value"].median()
+
+
+# Evaluation
+
+
+def test_every_model_learns_a_smooth_law(given):
+    models = makers(1, **QUICK)
+    results = evaluate(given, models, repeats=2, seed=1)
+    least = {POWER_LAW: 0.9, PROCESS: 0.97, BOOSTING: 0.85, NETWORKS: 0.8}
+    for name, bound in least.items():
+        assert median_r2(results, name) > bound
+        assert median_r2(results, name) < 1.0
+
+
+def test_no_model_sees_the_test_rows(given):
+    # Were a test row seen, spoiling its target would change what is predicted for it.
+    _, test = next(repeated_splits(given.table.keys, 0.2, 1, 1))
+    spoiled = given.log_number.copy()
+    spoiled[test] += 5.0
+    models = makers(1, **HASTY)
+    before = evaluate(given, models, repeats=1, seed=1).predictions
+    after = evaluate(given._replace(log_number=spoiled), models, repeats=1, seed=1).predictions
+    np.testing.assert_array_equal(before["predicted"], after["predicted"])
+
+
+def test_the_wear_constant_is_an_exact_factor(given, process):
+    doubled = law().assign(archard_constant=lambda t: 2.0 * t["archard_constant"])
+    doubled["wear_total_mean"] *= 2.0
+    doubled["wear_total_mean_stderr"] *= 2.0
+    other = problem(doubled, JET)
+    np.testing.assert_allclose(other.log_number, given.log_number, atol=1e-12)
+    np.testing.assert_array_equal(other.groups, given.groups)
+    rows = np.arange(5)
+    np.testing.assert_allclose(
+        other.wear(rows, process.predict(other.groups[rows])),
+        2.0 * given.wear(rows, process.predict(given.groups[rows])),
+    )
+
+
+def test_targets_that_are_not_positive_are_raised_and_counted():
+    table = law(30)
+    table["wear_total_p99"] = table["wear_total_mean"]
+    table.loc[[3, 7], "wear_total_p99"] = 0.0
+    found = problem(table, JET, "wear_total_p99")
+    assert found.raised == 2 and np.isfinite(found.log_number).all()
+    with pytest.raises(ValueError, match="nowhere positive"):
+        problem(table.assign(wear_total_p99=0.0), JET, "wear_total_p99")
+    scores = all_targets(table, JET, {POWER_LAW: makers(1)[POWER_LAW]}, repeats=2)
+    assert set(scores["target"]) == {"wear_total_mean", "wear_total_p99"}
+    assert scores.set_index("target")["raised"]["wear_total_p99"] == 2
+
+
+# Intervals
+
+
+def test_intervals_hold_what_they_promise(given):
+    calibration, summary = calibrate(given, 10, 1)
+    assert summary["in_band"]
+    assert len(summary["scores"]) == 150 and (np.diff(summary["scores"]) >= 0.0).all()
+    conformal = calibration[calibration["method"] == "conformal"]
+    assert (np.diff(conformal["coverage"]) >= 0.0).all()
+    assert (np.diff(conformal["width"]) > 0.0).all()
+    # The scatter is 5 %: half of new rows lie within about .67 times that.
+    half = conformal[conformal["level"] == 0.5]["width"].iloc[0]
+    assert 0.02 < half < 0.08
+
+
+# Noise
+
+
+def test_the_noise_floor_is_what_a_perfect_model_scores():
+    rng = np.random.default_rng(0)
+    true = np.exp(rng.standard_normal(4000))
+    noisy = true * (1.0 + 0.1 * rng.standard_normal(4000))
+    dataset = pd.DataFrame(
+        {"case_id": np.arange(4000), "wear_total_mean": noisy,
+         "wear_total_mean_stderr": 0.2 * noisy}
+    )  # fmt: skip
+    # The errors stated are twice too large; the replicates tell.
+    chosen = np.repeat(np.arange(40), 10)
+    repeated = true[chosen] * (1.0 + 0.1 * rng.standard_normal(400))
+    replicates = pd.DataFrame(
+        {"case_id": chosen, "wear_total_mean": repeated, "wear_total_mean_stderr": 0.2 * repeated}
+    )
+    per_case, summary = noise.noise_floor(replicates, dataset)
+    assert summary["degrees_of_freedom"] == 400 and len(per_case) == 40
+    assert summary["ratio"] == pytest.approx(0.25, rel=0.2)
+    low, high = summary["r2_floor_band"]
+    assert low < summary["r2_floor"] < high
+    assert low < r2(noisy, true) < high
+    assert summary["r2_floor_of_stated_errors"] < low
+
+
+def test_replicates_are_of_cases_with_large_particles_and_differ_by_seed_alone():
+    from abradem.config import Config, sampled_ranges, setup_dict
+    from abradem.sampling.draw import block_cases
+
+    config = Config(study="a")
+    ranges = {**sampled_ranges(config), "particle_radius": (0.03, 0.04)}
+    cases = block_cases(1, 0, 10, "lhs", ranges)
+    cases.loc[0, "rejected"] = "no"
+    chosen = noise.choose_cases(cases, 2)
+    assert len(chosen) == 2 and 0 not in set(chosen["case_id"])
+    assert chosen["particle_radius"].min() >= cases["particle_radius"].iloc[1:].median()
+    setup = {**setup_dict(config), "window": 1.0, "max_time": 2.0, "facet_size": 0.03}
+    found = noise.replicate(chosen.iloc[:1], 2, setup)
+    assert found["seed"].nunique() == 2 and found["wear_total_mean"].nunique() == 2
+    again = noise.replicate(chosen.iloc[:1], 2, setup)
+    pd.testing.assert_frame_equal(found, again)
+
+
+# Sensitivity
+
+
+def test_the_quantities_of_a_planted_law_are_found(given, process):
+    indices = sobol(process, given, points=512, resamples=20, seed=1)
+    falls = permutation(given, repeats=2, seed=1)
+    wear = indices[indices["explained"] == "wear"].set_index("feature")
+    planted = {"archard_constant", "particle_velocity_y", "plate_angle"}
+    assert set(wear["total"].nlargest(3).index) == planted
+    assert set(falls.set_index("feature")["fall"].nlargest(3).index) == planted
+    others = wear.drop(index=list(planted))
+    assert (others["total"] < 0.03).all()
+    assert (wear["total"] >= wear["first"] - 0.05).all()
+    # In the logarithm the law is a sum: what each explains alone adds up to all.
+    assert indices.query("explained == 'log wear'")["first"].sum() == pytest.approx(1.0, abs=0.06)
+    words = verdict(indices, falls)
+    assert planted <= set(words["dominant"]) and "Archard wear constant" in words["paragraph"]
+    assert words["agrees"] == (set(words["dominant"]) == set(PAPER))
+
+
+def test_sobol_intervals_follow_from_the_seed_alone(given, process):
+    """scipy's bootstrap draws from numpy's global generator, which must be left as it was."""
+    options = {"points": 64, "resamples": 10, "seed": 1}
+    np.random.seed(5)  # noqa: NPY002
+    first = sobol(process, given, **options)
+    here = np.random.random()  # noqa: NPY002
+    np.random.seed(5)  # noqa: NPY002
+    assert here == np.random.random()  # noqa: NPY002
+    pd.testing.assert_frame_equal(first, sobol(process, given, **options))
+
+
+def test_partial_dependence_follows_the_law(given, process):
+    found = partial_dependence(process, given)
+    rows = found[found["feature"] == "archard_constant"]
+    np.testing.assert_allclose(
+        rows["predicted"] / rows["setting"], (rows["predicted"] / rows["setting"]).iloc[0]
+    )
+    rows = found[found["feature"] == "particle_velocity_y"]
+    expected = rows["setting"] ** 2 + 5.0
+    ratio = (rows["predicted"] / expected).to_numpy()
+    assert ratio.max() / ratio.min() < 1.3
+
+
+# Reach
+
+
+def test_more_rows_do_not_harm():
+    assert sizes(160) == [25, 50, 100, 160] and sizes(20) == [20]
+    given = problem(law(120), JET)
+    curve = learning_curve(given, {PROCESS: makers(1)[PROCESS]}, repeats=3, seed=1)
+    assert list(curve["trained"]) == [25, 50, 96]
+    assert curve["r2"].iloc[-1] > curve["r2"].iloc[0]
+
+
+def test_rows_beyond_a_bound_are_not_trained_on(given):
+    models = {POWER_LAW: makers(1)[POWER_LAW], PROCESS: makers(1)[PROCESS]}
+    found = extrapolate(given, models, seed=1)
+    assert set(found["test"]) == {"fast", "steep", "large"}
+    velocity = given.inputs[:, -1]
+    fast = found[found["test"] == "fast"].iloc[0]
+    assert fast["tested"] == (velocity < -8.0).sum() and fast["trained"] == (velocity >= -8.0).sum()
+    assert found.query("model == 'gaussian_process'")["coverage"].between(0.0, 1.0).all()
+    assert found.query("model == 'power_law'")["coverage"].isna().all()
+    few = extrapolate(problem(law(12), JET), {POWER_LAW: models[POWER_LAW]})
+    assert list(few.columns) == list(found.columns)
+
+
+# What they say
+
+
+def test_the_findings_repeat_the_numbers(given):
+    models = makers(1, **HASTY)
+    _, exponents, summary, (description, arrays) = fit_physical(given, models, repeats=2)
+    assert description["kind"] == "gaussian_process" and "rows" in arrays
+    assert {"quantity", "group"} == set(exponents["kind"])
+    _, intervals = calibrate(given, 3)
+    curve = learning_curve(given, {POWER_LAW: models[POWER_LAW]}, repeats=2)
+    floor = {"r2_floor": 0.999, "r2_floor_band": [0.998, 0.9995], "replicates": 8, "cases": 2,
+             "r2_floor_of_stated_errors": 0.9985, "ratio": 1.5}  # fmt: skip
+    speed = {"simulated_seconds": {"mean": 2.0, "median": 0.1}, "cases": [1], "radii": [0.02],
+             "batch": 10, "predicted_seconds": 1e-4, "predictions_per_second": 1e6, "speed_up": 2e4,
+             "speed_up_of_a_batch": 2e6}  # fmt: skip
+    text = dict(
+        findings(
+            summary, intervals, {"scores": summary["scores"][PROCESS]}, {"paragraph": "P."},
+            curve, extrapolate(given, models), floor, speed,
+        )
+    )  # fmt: skip
+    best = summary["scores"][PROCESS]["test"]["R2"]["median"]
+    assert f"Gaussian process {best:.4f}" in text["Comparison"]
+    assert f"stays {0.999 - best:.4f} below" in text["Comparison"]
+    assert "20 thousand times faster" in text["Speed"]
+    assert summary["equation"] in text["Power law"]
+    page = to_html("<t>", list(text.items()))
+    assert "&lt;t&gt;" in page and "script" not in page
+
+
+def test_tables_too_small_for_anything_still_give_results():
+    small = problem(law(12), JET)
+    models = makers(1, **HASTY)
+    results, *_ = fit_physical(small, models, repeats=2)
+    assert results.scores["model"].nunique() == 4
+    calibrate(small, 3)
+
+
+@pytest.mark.skipif(AUTHORS_TABLE not in os.environ, reason=f"{AUTHORS_TABLE} names no file")
+def test_half_of_the_studys_table_is_predicted_in_cross_validation():
+    from abradem.dataset.external import read_external
+
+    given = problem(read_external(os.environ[AUTHORS_TABLE]), JET)
+    found = []
+    for seed in range(10):
+        predicted = np.empty(len(given.log_number))
+        for train, test in folds(len(predicted), 5, seed):
+            model = makers(1)[PROCESS]().fit(
+                given.groups[train], given.log_number[train], given.error[train]
+            )
+            predicted[test] = given.wear(test, model.predict(given.groups[test]))
+        found.append(r2(given.table.target, predicted))
+    assert np.median(found) >= 0.95
+    assert np.mean(found) >= 0.94

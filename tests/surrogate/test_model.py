@@ -1,0 +1,344 @@
+"""The surrogate: distilled, stored without code, light, leakage-free about its ranges."""
+
+import json
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+from tables import product_law
+
+import abradem
+from abradem.cli.main import main
+from abradem.learning.model_files import write_model
+from abradem.learning.physical.distil import Settings, distil, evaluate_surrogate, surrogate_of
+from abradem.learning.physical.models import PROCESS, makers
+from abradem.learning.physical.problem import problem
+from abradem.quantities import SAMPLED, SAMPLED_NAMES, check_value
+from abradem.surrogate.groups import Jet
+from abradem.surrogate.materials import PARTICLES, PLATES, preset
+from abradem.surrogate.model import PredictionError, Surrogate, conformal_quantile
+from abradem.units import parse_value
+
+JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
+SETTINGS = Settings(points=3000, hidden=(32, 32), epochs=12)
+CASE = {name: float(np.mean(row.paper_range)) for name, row in zip(SAMPLED_NAMES, SAMPLED,
+                                                                  strict=True)}  # fmt: skip
+WORDS = [f"{name}={value!r}" for name, value in CASE.items()]
+
+
+@pytest.fixture(scope="module")
+def given():
+    table = product_law(150, 0.05)
+    return problem(table.assign(wear_total_mean_stderr=0.05 * table["wear_total_mean"]), JET)
+
+
+@pytest.fixture(scope="module")
+def process(given):
+    return makers(1)[PROCESS]().fit(given.groups, given.log_number, given.error)
+
+
+@pytest.fixture(scope="module")
+def stem(given, process, tmp_path_factory):
+    """Stem of the files of a surrogate."""
+    scores = np.abs(process.residuals) / process.deviations
+    results = evaluate_surrogate(given, SETTINGS._replace(epochs=3), repeats=1, seed=1)
+    model = surrogate_of(given, process, scores, SETTINGS, results, seed=1)
+    path = tmp_path_factory.mktemp("models") / "surrogate"
+    write_model(*model, f"{path}.json")
+    return path
+
+
+# What it predicts
+
+
+def test_it_repeats_the_process_it_was_distilled_from(given, process, stem):
+    surrogate = Surrogate.load(stem)
+    found = surrogate.predict(dict(zip(SAMPLED_NAMES, given.inputs.T, strict=True)))
+    expected = given.scale * np.exp(process.predict(given.groups))
+    assert np.median(np.abs(found.rate / expected - 1.0)) < 0.03
+    assert surrogate.description["distillation_error"]["rms"] < 0.05
+    assert "R2" in surrogate.description["scores"]["test"]
+
+
+def test_intervals_hold_what_they_promise(given, stem):
+    values = dict(zip(SAMPLED_NAMES, given.inputs.T, strict=True))
+    for level in (0.5, 0.8, 0.95):
+        found = abradem.predict(values, stem, level)
+        inside = (found.lower <= given.table.target) & (given.table.target <= found.upper)
+        # Rows that it was trained on: not fewer than promised.
+        assert inside.mean() >= level - 0.08
+        assert (found.lower < found.rate).all() and (found.rate < found.upper).all()
+
+
+def test_a_higher_level_is_a_wider_interval(stem):
+    widths = [
+        (found.upper - found.lower)[0]
+        for found in (abradem.predict(CASE, stem, level) for level in (0.3, 0.6, 0.9))
+    ]
+    assert widths == sorted(widths) and widths[0] < widths[-1]
+
+
+def test_wear_is_proportional_to_the_wear_constant(stem):
+    twice = {**CASE, "archard_constant": 2.0 * CASE["archard_constant"]}
+    one, two = (abradem.predict(values, stem) for values in (CASE, twice))
+    for a, b in zip(one[:3], two[:3], strict=True):
+        assert b[0] == pytest.approx(2.0 * a[0], rel=1e-6)
+
+
+def test_many_cases_are_as_one_by_one_and_a_frame_does(stem):
+    rng = np.random.default_rng(0)
+    frame = pd.DataFrame({row.name: rng.uniform(*row.paper_range, 9000) for row in SAMPLED})
+    found = abradem.predict(frame, stem)
+    for row in (0, 4095, 4096, 8999):
+        alone = abradem.predict(frame.iloc[row].to_dict(), stem)
+        assert found.rate[row] == pytest.approx(alone.rate[0], rel=1e-5)
+    swept = abradem.predict({**CASE, "plate_angle": np.array([10.0, 20.0])}, stem)
+    assert len(swept.rate) == 2
+
+
+def test_hours_follow_from_depth_and_rate(stem):
+    found = abradem.predict(CASE, stem)
+    middle, least, most = found.hours_to(5.0)
+    assert middle[0] == pytest.approx(5.0 / found.rate[0] / 3600.0)
+    assert least[0] < middle[0] < most[0]
+    with pytest.raises(PredictionError, match="depth"):
+        found.hours_to(0.0)
+
+
+def test_the_quantile_holds_its_share_of_new_scores():
+    rng = np.random.default_rng(0)
+    shares = []
+    for _ in range(300):
+        scores = rng.exponential(size=60)
+        quantile = conformal_quantile(np.sort(scores[:59]), 0.9)
+        shares.append(scores[59] <= quantile)
+    assert 0.85 < np.mean(shares) < 0.95
+    assert conformal_quantile(np.array([1.0, 2.0]), 0.99) == 2.0
+
+
+# What it refuses, what it warns of
+
+
+def test_values_outside_the_training_ranges_warn(stem):
+    assert abradem.predict(CASE, stem).warnings == []
+    (line,) = abradem.predict({**CASE, "plate_angle": 85.0}, stem).warnings
+    assert line.startswith("plate_angle = 85 deg is outside the training range")
+    # Exactly proportional, so no matter.
+    assert abradem.predict({**CASE, "archard_constant": 1e-12}, stem).warnings == []
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"restitution": 1.5}, r"restitution = 1.5 is impossible \(allowed 0.05 ... 1\)"),
+        ({"particle_radius": -1.0}, "particle_radius = -1 m is impossible"),
+        ({"plate_angle": np.nan}, "plate_angle = nan deg is impossible"),
+        ({"plate_angle": "steep"}, "plate_angle holds 'steep', which is no number"),
+        ({"plate_angle": np.array([1.0, 999.0])}, "plate_angle = 999 deg in row 1 is impossible"),
+        ({"plate_angle": np.ones(2), "restitution": np.full(3, 0.5)}, "of different length"),
+    ],
+)  # fmt: skip
+def test_impossible_values_are_one_line(stem, change, words):
+    with pytest.raises(PredictionError, match=words) as caught:
+        abradem.predict({**CASE, **change}, stem)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_what_is_missing_is_named(stem):
+    less = {name: value for name, value in CASE.items() if name != "restitution"}
+    with pytest.raises(PredictionError, match="missing: restitution"):
+        abradem.predict(less, stem)
+    with pytest.raises(PredictionError, match="confidence = 1"):
+        abradem.predict(CASE, stem, 1.0)
+
+
+def test_missing_and_damaged_files_are_one_line(stem, tmp_path):
+    with pytest.raises(PredictionError, match=r"nowhere.json: there is no such file; run the"):
+        Surrogate.load(tmp_path / "nowhere")
+    arrays = stem.with_suffix(".safetensors").read_bytes()
+    text = stem.with_suffix(".json").read_text()
+    for content, damaged in ((text, arrays[: len(arrays) // 2]), ("{}", arrays), ("x", arrays)):
+        (tmp_path / "a.json").write_text(content)
+        (tmp_path / "a.safetensors").write_bytes(damaged)
+        with pytest.raises(PredictionError, match="damaged, or no surrogate"):
+            Surrogate.load(tmp_path / "a")
+
+
+def test_the_files_hold_numbers_and_words_alone(stem):
+    description = json.loads(stem.with_suffix(".json").read_text())
+    assert {"features", "jet", "scores", "dataset_hash", "groups"} <= description.keys()
+    assert all({"name", "unit", "training_range"} <= f.keys() for f in description["features"])
+    assert b"pickle" not in stem.with_suffix(".safetensors").read_bytes()
+
+
+# Speed
+
+
+def test_the_command_is_light_and_quick(stem):
+    code = (
+        "import sys; from abradem.cli.main import main\n"
+        f"code = main(['predict', '--model', {str(stem)!r}, *{WORDS!r}])\n"
+        "heavy = {'torch', 'sklearn', 'numba', 'scipy', 'pandas'} & set(sys.modules)\n"
+        "sys.exit(code or ', '.join(sorted(heavy)) or 0)"
+    )
+    seconds = []
+    for _ in range(3):
+        begin = time.perf_counter()
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        seconds.append(time.perf_counter() - begin)
+        assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("wear depth rate ")
+    assert min(seconds) < 1.0
+
+
+def test_a_prediction_takes_less_than_a_millisecond(stem):
+    surrogate = Surrogate.load(stem)
+    surrogate.predict(CASE)
+    seconds = []
+    for _ in range(50):
+        begin = time.perf_counter()
+        surrogate.predict(CASE)
+        seconds.append(time.perf_counter() - begin)
+    assert np.median(seconds) < 1e-3
+
+
+# Command line
+
+
+def run(capsys, *arguments):
+    code = main(["predict", *map(str, arguments)])
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+def test_values_with_units_give_the_same_as_without(capsys, stem):
+    others = [w for w in WORDS if not w.startswith(("particle_radius", "particle_shear"))]
+    answers = {
+        run(capsys, "--model", stem, *others, *words)[1]
+        for words in (
+            ("particle_radius=0.02", "particle_shear_modulus=6e9"),
+            ("particle_radius=20mm", "particle_shear_modulus=6 GPa"),
+            ("particle_radius=2 cm", "particle_shear_modulus=6000MPa"),
+        )
+    }
+    (answer,) = answers
+    assert "mm/s" in answer and "95 % interval" in answer and "wear_total_mean" in answer
+
+
+def test_presets_fill_what_is_not_given(capsys, stem):
+    rest = ["plate_angle=45deg", "factory_angle=0", "particle_radius=20mm",
+            "particle_velocity_y=-5m/s", "archard_constant=1e-9/Pa"]  # fmt: skip
+    code, out, _ = run(capsys, "--model", stem, "--material", "limestone", *rest, "--depth", "5mm")
+    assert code == 0
+    values = {**CASE, **preset("limestone"), "plate_angle": 45.0, "factory_angle": 0.0,
+              "particle_radius": 0.02, "particle_velocity_y": -5.0,
+              "archard_constant": 1e-9}  # fmt: skip
+    found = abradem.predict(values, stem)
+    assert out.startswith(f"wear depth rate {found.rate[0]:.4g} mm/s")
+    assert out.splitlines()[1].startswith(f"5 mm after {found.hours_to(5.0)[0][0]:.4g} h")
+
+
+def test_presets_are_possible_and_name_a_source():
+    for particle in PARTICLES:
+        values = preset(particle)
+        assert not [line for name, v in values.items() if (line := check_value(name, v))]
+    assert all(len(one.source) > 20 for one in (*PARTICLES.values(), *PLATES.values()))
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["particle_radius=20 lb"], "particle_radius = '20 lb': unit 'lb' is unknown here"),
+        (["particle_radius=big"], "particle_radius = 'big' is no number"),
+        (["radius=20"], "radius: no such quantity; known are"),
+        (["20"], "'20' is not of the form NAME=VALUE"),
+        (["plate_angle=1", "plate_angle=2"], "plate_angle is given twice"),
+        ([*WORDS, "--depth", "5kg"], "depth = '5kg' is no length"),
+        ([*WORDS, "--output", "a.csv"], "--output needs --table FILE"),
+        (["--table", "nowhere.csv"], "--table needs --output FILE"),
+        (["--table", "nowhere.csv", "--output", "o.csv"], "nowhere.csv: there is no such file"),
+        (["--table", "nowhere.txt", "--output", "o.csv"], "nowhere.txt: is neither .csv"),
+    ],
+)
+def test_mistakes_on_the_command_line_are_one_line(capsys, stem, words, line):
+    code, out, err = run(capsys, "--model", stem, *words)
+    assert code == 2 and out == ""
+    assert err.startswith(line) and len(err.splitlines()) == 1
+
+
+def test_the_default_model_is_that_of_the_configuration(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run(capsys, *WORDS)
+    assert code == 2 and "there is no config.yaml here" in err
+    (tmp_path / "config.yaml").write_text("study: mine\n")
+    code, _, err = run(capsys, *WORDS)
+    assert code == 2 and err.startswith("results/mine/models/surrogate.json: there is no such file")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_a_table_comes_back_with_predictions(capsys, stem, tmp_path, suffix):
+    rng = np.random.default_rng(0)
+    frame = pd.DataFrame({row.name: rng.uniform(*row.paper_range, 30) for row in SAMPLED})
+    less = frame.drop(columns="restitution").assign(label="x")
+    path, output = tmp_path / f"t{suffix}", tmp_path / f"o{suffix}"
+    less.to_csv(path, index=False) if suffix == ".csv" else less.to_parquet(path)
+    code, out, _ = run(
+        capsys, "--model", stem, "--table", path, "--output", output, "restitution=0.5",
+        "--depth", "2mm",
+    )  # fmt: skip
+    assert code == 0 and out.startswith("30 cases predicted")
+    found = pd.read_csv(output) if suffix == ".csv" else pd.read_parquet(output)
+    expected = abradem.predict(frame.assign(restitution=0.5), stem)
+    np.testing.assert_allclose(found["wear_depth_rate"], expected.rate, rtol=1e-6)
+    np.testing.assert_allclose(found["hours"], expected.hours_to(2.0)[0], rtol=1e-6)
+    assert (found["label"] == "x").all()
+    if suffix == ".parquet":
+        import pyarrow.parquet as pq
+
+        field = pq.read_schema(output).field("wear_depth_rate")
+        assert field.metadata[b"units"] == b"mm/s"
+
+
+def test_a_wrong_row_of_a_table_is_named(capsys, stem, tmp_path):
+    frame = pd.DataFrame([CASE, CASE]).assign(restitution=[0.5, 7.0])
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    code, _, err = run(
+        capsys, "--model", stem, "--table", tmp_path / "t.csv", "--output", tmp_path / "o.csv"
+    )
+    assert code == 2 and "t.csv: restitution = 7 in row 1 is impossible" in err
+    assert not (tmp_path / "o.csv").exists()
+
+
+def test_units_are_those_of_the_quantity():
+    assert parse_value("particle_radius", "20mm") == pytest.approx(0.02)
+    assert parse_value("plate_angle", "-30") == -30.0
+    assert parse_value("archard_constant", "1e-9 /Pa") == 1e-9
+    assert parse_value("plate_angle", "1rad") == pytest.approx(57.29578)
+    with pytest.raises(ValueError, match="none, it is a pure number"):
+        parse_value("restitution", "50 %")
+
+
+# ONNX
+
+
+def test_the_onnx_graph_gives_the_same(capsys, stem, tmp_path):
+    pytest.importorskip("onnx")
+    runtime = pytest.importorskip("onnxruntime")
+    path = tmp_path / "s.onnx"
+    assert run(capsys, "--model", stem, "--onnx", path)[0] == 0
+    session = runtime.InferenceSession(path)
+    rng = np.random.default_rng(0)
+    values = {row.name: rng.uniform(*row.paper_range, 500) for row in SAMPLED}
+    wanted = {one.name for one in session.get_inputs()}
+    rate, _ = session.run(None, {name: v for name, v in values.items() if name in wanted})
+    np.testing.assert_allclose(rate, abradem.predict(values, stem).rate, rtol=1e-5)
+
+
+def test_the_distillation_is_the_same_for_a_seed(given, process):
+    small = Settings(points=200, hidden=(4,), epochs=2)
+    one, two = (distil(process, given, small, seed=3)[0] for _ in range(2))
+    for name in one:
+        np.testing.assert_array_equal(one[name], two[name])

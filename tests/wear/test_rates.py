@@ -1,0 +1,261 @@
+"""Wear rates against series and maps whose rates are known."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from abradem.dem.model import Setup
+from abradem.quantities import SAMPLED, WEAR_COLUMNS, WEAR_MEASURES
+from abradem.wear import rates as wr
+
+SETUP = Setup(plate_length=0.2, plate_width=0.1, facet_size=0.05, window=2.0)  # 4 x 2 facets
+
+
+def straight_study(rates=(2.0, 1.0, 0.5), w=1e-9, start=1.0, end=7.0, keys=(5,)):
+    """Tables of cases whose wear begins at ``start`` and rises at constant rates (J/s)."""
+    time = np.linspace(0.0, end, 351)
+    series = pd.concat(
+        pd.DataFrame(
+            {
+                "case_id": key,
+                "time": time,
+                **{
+                    f"worn_{measure}": rate * np.maximum(time - start, 0.0)
+                    for measure, rate in zip(WEAR_MEASURES, rates, strict=True)
+                },
+                "delivered_mass": 4.0 * time,
+            }
+        )
+        for key in keys
+    )
+    facet_x, facet_z = (index.ravel() for index in np.indices(SETUP.facets))
+    share = np.array([0.0, 0.0, 0.5, 0.2, 0.1, 0.1, 0.07, 0.03])
+    maps = pd.concat(
+        pd.DataFrame(
+            {
+                "case_id": key,
+                "facet_x": facet_x,
+                "facet_z": facet_z,
+                **{
+                    f"wear_{measure}": 2.0 * rate * share
+                    for measure, rate in zip(WEAR_MEASURES, rates, strict=True)
+                },
+            }
+        )
+        for key in keys
+    )
+    runs = pd.DataFrame({"case_id": list(keys), "status": "ok"}).assign(
+        steady_from=start, window_start=start, window_end=start + 2.0, delivered_rate=4.0,
+        requested_rate=4.0, max_overlap=0.01, simulated_time=end,
+    )  # fmt: skip
+    cases = pd.DataFrame({"case_id": list(keys), "archard_constant": w})
+    for row in SAMPLED:
+        cases[row.name] = cases.get(row.name, np.mean(row.paper_range))
+    return series, maps, runs, cases
+
+
+def test_slope_of_a_straight_line_is_exact():
+    time = np.linspace(0.0, 6.0, 301)
+    fit = wr.steady_rate(time, 3.5 * time + 1.0, 0.7)
+    assert fit.rate == pytest.approx(3.5, rel=1e-13)
+    assert fit.stderr == pytest.approx(0.0, abs=1e-12)
+    assert fit.r2 == pytest.approx(1.0, abs=1e-12)
+    assert fit.batches == 20
+
+
+def test_the_standard_error_of_white_increments_is_the_known_one():
+    # 20 batches: s scatters by 1/sqrt(38) = 16 %; over 300 repeats its mean square by 2 %.
+    rng = np.random.default_rng(3)
+    time = np.arange(0.0, 8.0001, 0.02)
+    sigma, samples = 0.3, len(time) - 1
+    known = sigma * np.sqrt(samples) / time[-1]
+    fits = []
+    for _ in range(300):
+        worn = np.concatenate([[0.0], np.cumsum(1.0 + sigma * rng.standard_normal(samples))])
+        fits.append(wr.steady_rate(time, worn, 0.0))
+    rates = np.array([fit.rate for fit in fits])
+    assert rates.std() == pytest.approx(known, rel=4 / np.sqrt(2 * 300))
+    # The correction for correlated batches acts by chance in about 5 % of the repeats.
+    plain = [fit.stderr for fit in fits if fit.lag1 < 0.3]
+    assert np.sqrt(np.mean(np.square(plain))) == pytest.approx(known, rel=0.06)
+    covered = np.abs(rates - 50.0) <= 2.09 * np.array([fit.stderr for fit in fits])
+    assert covered.mean() > 0.91
+
+
+def test_a_series_without_a_steady_part_has_no_rate():
+    time = np.linspace(0.0, 1.0, 51)
+    for start in (np.nan, 1.0, 2.0, 0.9):
+        assert np.isnan(wr.steady_rate(time, time, start).rate)
+    assert np.isnan(wr.steady_rate(np.array([0.0]), np.array([0.0]), 0.0).rate)
+
+
+def test_straightness_is_one_for_a_line_and_known_for_a_parabola():
+    t = np.linspace(0.0, 1.0, 20001)
+    assert wr.straightness(t, -2.0 * t) == pytest.approx(1.0, abs=1e-12)
+    # t and t^2 on [0, 1]: cov = 1/12, variances 1/12 and 4/45, hence R2 = 15/16.
+    assert wr.straightness(t, t**2) == pytest.approx(15 / 16, abs=1e-4)
+    assert np.isnan(wr.straightness(t, np.zeros_like(t)))
+
+
+def test_the_footprint_is_the_fewest_facets_that_hold_the_share():
+    wear = np.array([[1.0, 50.0], [4.0, 45.0]])
+    assert wr.footprint(wear, 0.95).tolist() == [[False, True], [False, True]]
+    assert wr.footprint(wear, 0.96).sum() == 3
+    assert wr.footprint(wear, 0.5).sum() == 1
+    assert wr.footprint(wear, 1.0).all()
+    assert not wr.footprint(np.zeros((2, 2))).any()
+
+
+def test_uniform_wear_has_one_depth_rate_in_every_statistic():
+    wear = np.full((20, 5), 6.0)
+    rates = wr.facet_rates(wear, facet_area=1e-4, window=3.0)
+    assert rates == pytest.approx(dict.fromkeys(("footprint", "p99", "max"), 6.0 / 3e-4))
+    assert wr.footprint(wear).sum() == 95
+
+
+def test_facet_statistics_of_a_known_map():
+    wear = np.arange(1.0, 102.0).reshape(1, 101)  # percentiles of 1..101 are exact
+    rates = wr.facet_rates(wear, facet_area=0.5, window=2.0)
+    assert rates["max"] == 101.0
+    assert rates["p99"] == pytest.approx(100.0)
+    # 23..101 hold 4898 of 5151 J = 95.09 %, 24..101 only 94.6 %.
+    assert rates["footprint"] == pytest.approx(np.mean(np.arange(23, 102)))
+
+
+def test_depth_rates_of_a_straight_study_are_w_times_power_per_area():
+    rates = wr.wear_rates(*straight_study(), SETUP).iloc[0]
+    area, facet = 0.02, 0.02 / 8
+    for measure, power in zip(WEAR_MEASURES, (2.0, 1.0, 0.5), strict=True):
+        watt = 1e-9 * power * 1e3  # mm3/s per m2 in the end
+        assert rates[f"wear_{measure}_mean"] == pytest.approx(watt / area, rel=1e-12)
+        assert rates[f"wear_{measure}_max"] == pytest.approx(0.5 * watt / facet, rel=1e-12)
+        # .5 + .2 + .1 + .1 + .07 = .97 on five facets.
+        assert rates[f"wear_{measure}_footprint"] == pytest.approx(0.97 / 5 * watt / facet)
+        shares = [0.0, 0.0, 0.5, 0.2, 0.1, 0.1, 0.07, 0.03]
+        assert rates[f"wear_{measure}_p99"] == pytest.approx(
+            np.percentile(shares, 99) * watt / facet
+        )
+    assert rates["worn_volume_rate"] == pytest.approx(2e-9, rel=1e-12)
+    assert rates["wear_per_kg"] == pytest.approx(0.5e-9, rel=1e-12)
+    assert rates["wear_r2"] == pytest.approx(1.0)
+    assert rates["quality"] == "ok"
+
+
+def test_the_map_of_a_steady_case_has_the_mean_of_the_slope():
+    series, maps, runs, cases = straight_study()
+    facets, _ = wr.depth_rate_maps(maps, runs, cases, SETUP, [5])
+    rates = wr.wear_rates(series, maps, runs, cases, SETUP)
+    assert facets["depth_rate"].mean() == pytest.approx(rates["wear_total_mean"][0], rel=1e-12)
+    assert facets["x"].min() == pytest.approx(-75.0) and facets["z"].max() == pytest.approx(25.0)
+
+
+def test_wear_is_exactly_proportional_to_w():
+    rng = np.random.default_rng(0)
+    series, maps, runs, cases = straight_study()
+    series["worn_total"] += np.cumsum(rng.random(len(series)) * 0.01)
+    once = wr.wear_rates(series, maps, runs, cases, SETUP)
+    twice = wr.wear_rates(series, maps, runs, cases.assign(archard_constant=4e-9), SETUP)
+    scaled = [*WEAR_COLUMNS, "wear_total_mean_stderr", "worn_volume_rate", "wear_per_kg"]
+    assert (once["wear_total_mean_stderr"] > 0).all()
+    pd.testing.assert_frame_equal(twice[scaled], 4.0 * once[scaled], check_exact=True)
+    same = [name for name in once if name not in scaled]
+    pd.testing.assert_frame_equal(twice[same], once[same], check_exact=True)
+
+
+def test_cases_are_told_apart_whatever_the_order_of_rows():
+    series, maps, runs, cases = straight_study(keys=(9, 2, 4))
+    cases["archard_constant"] = [9e-9, 2e-9, 4e-9]
+    mixed = [
+        series.sort_values("time", kind="stable"), maps.iloc[::-1], runs.iloc[::-1], cases,
+    ]  # fmt: skip
+    rates = wr.wear_rates(*mixed, SETUP)
+    assert list(rates["case_id"]) == [2, 4, 9]
+    np.testing.assert_allclose(rates["worn_volume_rate"], [4e-9, 8e-9, 18e-9], rtol=1e-12)
+
+
+def test_facets_left_out_of_a_map_are_unworn():
+    series, maps, runs, cases = straight_study()
+    full = wr.wear_rates(series, maps, runs, cases, SETUP)
+    sparse = wr.wear_rates(series, maps[maps["wear_total"] > 0], runs, cases, SETUP)
+    pd.testing.assert_frame_equal(full, sparse)
+
+
+def test_cases_that_ended_early_have_no_row():
+    series, maps, runs, cases = straight_study(keys=(1, 2))
+    runs.loc[0, "status"] = "overlap of 21 % of the radius"
+    assert list(wr.wear_rates(series, maps, runs, cases, SETUP)["case_id"]) == [2]
+    runs["status"] = "rejected: too large"
+    empty = wr.wear_rates(series.iloc[:0], maps.iloc[:0], runs, cases, SETUP)
+    assert list(empty.columns) == wr.RATE_COLUMNS and empty.empty
+
+
+def test_a_case_without_a_steady_state_has_no_rates_and_says_so():
+    series, maps, runs, cases = straight_study()
+    runs[["steady_from", "window_start", "window_end"]] = np.nan
+    maps[["wear_total", "wear_sliding", "wear_friction"]] = np.nan
+    rates = wr.wear_rates(series, maps, runs, cases, SETUP).iloc[0]
+    assert rates[list(WEAR_COLUMNS)].isna().all()
+    assert "unsteady" in rates["quality"]
+
+
+@pytest.mark.parametrize(
+    ("change", "flags"),
+    [
+        ({}, "ok"),
+        ({"delivered_rate": 3.79}, "shortfall"),
+        ({"max_overlap": 0.051}, "overlap"),
+        ({"delivered_rate": 1.0, "max_overlap": 0.1}, "shortfall+overlap"),
+        ({"settled": False}, "unsteady"),
+        ({"requested_rate": np.nan}, "ok"),
+    ],
+)
+def test_quality_flags_name_what_is_wrong(change, flags):
+    run = straight_study()[2].iloc[0].to_dict() | change
+    assert wr.quality(run, 0.01, SETUP) == flags
+
+
+def test_a_standard_error_above_the_one_aimed_at_is_flagged():
+    run = straight_study()[2].iloc[0].to_dict()
+    assert wr.quality(run, 0.021, SETUP) == "stderr"
+    assert wr.quality(run, np.nan, SETUP) == "stderr"
+
+
+def test_the_summary_counts_straight_series_and_flags():
+    rates = pd.DataFrame(
+        {
+            "case_id": [0, 1, 2],
+            "wear_r2": [0.99, 0.95, 0.5],
+            "wear_total_mean": 1.0,
+            "wear_total_mean_stderr": [0.01, 0.02, 0.06],
+            "quality": ["ok", "stderr", "overlap+stderr"],
+        }
+    )
+    assert wr.summary(rates, 0.95) == {
+        "cases": 3,
+        "good_r2": 0.95,
+        "cases_with_good_r2": 2,
+        "cases_without_flag": 1,
+        "flags": {"overlap": 1, "stderr": 2},
+        "median_relative_stderr": pytest.approx(0.02),
+    }
+
+
+def test_fewer_than_twenty_batches_are_refused():
+    with pytest.raises(ValueError, match="at least 20"):
+        wr.wear_rates(*straight_study(), SETUP, min_batches=10)
+
+
+def test_the_fitted_line_runs_through_the_ends_of_the_steady_part():
+    series, _, runs, cases = straight_study()
+    curves, fits = wr.depth_series(series, runs, cases, SETUP, [5, 77])
+    assert list(fits["case_id"]) == [5]
+    row = fits.iloc[0]
+    assert row["depth_from"] == pytest.approx(0.0, abs=1e-18)
+    assert row["depth_to"] == pytest.approx(curves["wear_depth"].iloc[-1], rel=1e-12)
+    assert row["rate"] == pytest.approx(1e-9 * 2.0 / 0.02 * 1e3, rel=1e-12)
+
+
+def test_a_map_of_another_plate_is_refused():
+    series, maps, runs, cases = straight_study()
+    with pytest.raises(ValueError, match="facet"):
+        wr.wear_rates(series, maps, runs, cases, Setup(window=2.0, facet_size=0.3))

@@ -1,0 +1,229 @@
+PROTOCOLS = ["as_published", "leakage_free"]
+LEARNING = CONFIG.learning
+# What all models share: the rows they are scored on.
+SPLITS = {
+    "test_share": LEARNING.test_share,
+    "repeats": LEARNING.repeats,
+    "seed": CONFIG.seed,
+}
+BASELINES = ["linear", "penalised", "pca", "trees", *(f"ga_ann_{p}" for p in PROTOCOLS)]
+LEARNED_FROM = {"target": LEARNING.target, "name": CONFIG.study}
+
+
+def module_of(name):
+    """The module that trains a model, and the hash of the code behind it."""
+    source = f"abradem.learning.baselines.{name}"
+    return {"module": source, "code": code_of("baselines/baseline", source)}
+
+
+localrules:
+    baselines,
+
+
+rule baselines:
+    """Target: the paper's models under both protocols."""
+    input:
+        f"{RESULTS}/learning/linear.json",
+        f"{RESULTS}/learning/selection.parquet",
+        expand(f"{RESULTS}/learning/{{stage}}_scores.parquet", stage=BASELINES),
+
+
+rule linear:
+    """The linear regression of the data set."""
+    input:
+        rules.dataset.output,
+    output:
+        summary=report(
+            f"{RESULTS}/learning/linear.json",
+            caption="../report/linear.rst",
+            category="Models",
+            labels={"model": "linear regression", "content": "equation"},
+        ),
+        summary_arrays=f"{RESULTS}/learning/linear.safetensors",
+        coefficients=f"{RESULTS}/learning/linear_coefficients.parquet",
+        residuals=f"{RESULTS}/learning/linear_residuals.parquet",
+        published=f"{RESULTS}/learning/linear_published.parquet",
+        scores=f"{RESULTS}/learning/linear_scores.parquet",
+        predictions=f"{RESULTS}/learning/linear_predictions.parquet",
+    log:
+        f"{LOGS}/linear.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **module_of("linear"),
+        table=LEARNED_FROM,
+        options={
+            "confidence": LEARNING.confidence,
+            **SPLITS,
+        },
+    script:
+        "../scripts/baselines/baseline.py"
+
+
+rule penalised:
+    """Lasso and ridge."""
+    input:
+        rules.dataset.output,
+    output:
+        weights=f"{RESULTS}/learning/penalised_weights.parquet",
+        paths=f"{RESULTS}/learning/penalised_paths.parquet",
+        validation=f"{RESULTS}/learning/penalised_validation.parquet",
+        scores=f"{RESULTS}/learning/penalised_scores.parquet",
+        predictions=f"{RESULTS}/learning/penalised_predictions.parquet",
+        summary=f"{RESULTS}/learning/penalised.json",
+        lasso=f"{RESULTS}/learning/lasso.json",
+        lasso_arrays=f"{RESULTS}/learning/lasso.safetensors",
+        ridge=f"{RESULTS}/learning/ridge.json",
+        ridge_arrays=f"{RESULTS}/learning/ridge.safetensors",
+    log:
+        f"{LOGS}/penalised.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **module_of("penalised"),
+        table=LEARNED_FROM,
+        options={
+            **LEARNING.penalised.model_dump(),
+            "fold_count": LEARNING.folds,
+            "confidence": LEARNING.confidence,
+            **SPLITS,
+        },
+    script:
+        "../scripts/baselines/baseline.py"
+
+
+rule pca:
+    """Principal components and the regression on them."""
+    input:
+        rules.dataset.output,
+    output:
+        loadings=f"{RESULTS}/learning/pca_loadings.parquet",
+        scree=f"{RESULTS}/learning/pca_scree.parquet",
+        correlations=f"{RESULTS}/learning/pca_correlations.parquet",
+        curve=f"{RESULTS}/learning/pca_curve.parquet",
+        scores=f"{RESULTS}/learning/pca_scores.parquet",
+        predictions=f"{RESULTS}/learning/pca_predictions.parquet",
+        summary=f"{RESULTS}/learning/pca.json",
+        model=f"{RESULTS}/learning/pca_regression.json",
+        model_arrays=f"{RESULTS}/learning/pca_regression.safetensors",
+    log:
+        f"{LOGS}/pca.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **module_of("pca"),
+        table=LEARNED_FROM,
+        options={
+            "fold_count": LEARNING.folds,
+            "confidence": LEARNING.confidence,
+            **SPLITS,
+        },
+    script:
+        "../scripts/baselines/baseline.py"
+
+
+rule selection:
+    """The features that the networks get."""
+    input:
+        rules.dataset.output,
+    output:
+        selection=f"{RESULTS}/learning/selection.parquet",
+        summary=f"{RESULTS}/learning/selection.json",
+    log:
+        f"{LOGS}/selection.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **module_of("selection"),
+        table=LEARNED_FROM,
+        options={
+            "count": LEARNING.selection.features,
+            "lasso_alpha": LEARNING.penalised.lasso_alpha,
+            "ridge_alpha": LEARNING.penalised.ridge_alpha,
+            **SPLITS,
+        },
+    script:
+        "../scripts/baselines/baseline.py"
+
+
+rule trees:
+    """Decision tree and random forest."""
+    input:
+        rules.dataset.output,
+    output:
+        curve=f"{RESULTS}/learning/trees_curve.parquet",
+        nodes=f"{RESULTS}/learning/trees_nodes.parquet",
+        importance=f"{RESULTS}/learning/trees_importance.parquet",
+        scores=f"{RESULTS}/learning/trees_scores.parquet",
+        predictions=f"{RESULTS}/learning/trees_predictions.parquet",
+        summary=f"{RESULTS}/learning/trees.json",
+        tree=f"{RESULTS}/learning/tree.json",
+        tree_arrays=f"{RESULTS}/learning/tree.safetensors",
+        forest=f"{RESULTS}/learning/forest.json",
+        forest_arrays=f"{RESULTS}/learning/forest.safetensors",
+    log:
+        f"{LOGS}/trees.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **module_of("trees"),
+        table=LEARNED_FROM,
+        options={
+            **LEARNING.trees.model_dump(),
+            "fold_count": LEARNING.folds,
+            "confidence": LEARNING.confidence,
+            **SPLITS,
+        },
+    script:
+        "../scripts/baselines/baseline.py"
+
+
+# One network per core, so it asks for as many cores as a generation has networks and takes what
+# there is; the result does not depend on it. An interrupted search resumes from its folder.
+rule ga_ann:
+    """The networks whose architecture a genetic search finds, under one protocol."""
+    input:
+        rules.dataset.output,
+    output:
+        history=f"{RESULTS}/learning/ga_ann_{{protocol}}_history.parquet",
+        scores=f"{RESULTS}/learning/ga_ann_{{protocol}}_scores.parquet",
+        predictions=f"{RESULTS}/learning/ga_ann_{{protocol}}_predictions.parquet",
+        summary=report(
+            f"{RESULTS}/learning/ga_ann_{{protocol}}.json",
+            caption="../report/ga_ann_summary.rst",
+            category="Models",
+            labels={"model": "GA-ANN, {protocol}", "content": "architecture"},
+        ),
+        model=f"{RESULTS}/learning/ga_ann_{{protocol}}_model.json",
+        model_arrays=f"{RESULTS}/learning/ga_ann_{{protocol}}_model.safetensors",
+    log:
+        f"{LOGS}/ga_ann_{{protocol}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/ga_ann/{{protocol}}.tsv"
+    wildcard_constraints:
+        protocol="|".join(PROTOCOLS),
+    # After the cheap models.
+    priority: -1
+    conda:
+        "../envs/abradem.yaml"
+    threads: LEARNING.ga_ann.population
+    resources:
+        mem_mb=lambda wildcards, threads, attempt: (1500 + 500 * threads) * attempt,
+        runtime=growing(LEARNING_MINUTES),
+    params:
+        table=LEARNED_FROM,
+        networks=LEARNING.ga_ann.model_dump(),
+        options={
+            "features": LEARNING.selection.features,
+            "lasso_alpha": LEARNING.penalised.lasso_alpha,
+            "ridge_alpha": LEARNING.penalised.ridge_alpha,
+            "test_share": LEARNING.test_share,
+            "confidence": LEARNING.confidence,
+            "seed": CONFIG.seed,
+        },
+        folder=lambda wildcards, output: beside(
+            output.summary, f".ga_ann-{wildcards.protocol}"
+        ),
+        code=code_of("baselines/ga_ann"),
+    script:
+        "../scripts/baselines/ga_ann.py"

@@ -1,0 +1,17 @@
+"""The data set, one row per case that ended well."""
+
+from abradem.dataset.join import check, check_failures, join
+from abradem.running.job_log import log_to
+from abradem.store.tables import concatenate, read_table, write_table
+
+log_to(snakemake.log[0])
+
+dataset, failures = join(
+    read_table(snakemake.input.cases),
+    concatenate(map(read_table, snakemake.input.rates)),
+    concatenate(map(read_table, snakemake.input.runs)),
+    **snakemake.params.options,
+)
+check_failures(dataset, failures, snakemake.params.max_failed_share)
+check(dataset)
+write_table(dataset, snakemake.output[0])

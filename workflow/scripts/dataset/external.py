@@ -1,0 +1,11 @@
+"""A table from elsewhere as the data set."""
+
+from abradem.dataset.external import read_external
+from abradem.running.job_log import log_to
+from abradem.store.tables import write_table
+
+log_to(snakemake.log[0])
+
+params = snakemake.params
+found = read_external(snakemake.input[0], params.columns, params.damping_coefficient)
+write_table(found, snakemake.output[0])

@@ -1,0 +1,21 @@
+"""A figure, by the function of `abradem.figures` that the catalogue names."""
+
+from importlib import import_module
+from pathlib import Path
+
+from abradem.figures import style
+from abradem.running.job_log import log_to
+from abradem.store.tables import read_results
+
+log_to(snakemake.log[0])
+
+module, function = snakemake.params.draw.split(":")
+draw = getattr(import_module(f"abradem.figures.{module}"), function)
+# Results that are no input of the study are named by a parameter.
+shown = {**dict(snakemake.input.items()), **snakemake.params.get("shown", {})}
+figure = draw(**read_results(shown.items()), **snakemake.params.options)
+style.save(
+    figure,
+    Path(snakemake.output[0]).with_suffix(""),
+    [Path(path).suffix[1:] for path in snakemake.output],
+)

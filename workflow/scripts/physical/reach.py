@@ -1,0 +1,24 @@
+"""The models with fewer cases, beyond their ranges, and on every target."""
+
+from abradem.learning.model_files import write_stage
+from abradem.learning.physical.models import BOOSTING, POWER_LAW, PROCESS, all_targets, makers
+from abradem.learning.physical.problem import problem
+from abradem.learning.physical.reach import extrapolate, learning_curve
+from abradem.running.job_log import log_to
+from abradem.store.tables import read_table
+from abradem.surrogate.groups import jet_of
+
+log_to(snakemake.log[0])
+
+dataset = read_table(snakemake.input[0])
+jet = jet_of(snakemake.params.setup)
+given = problem(dataset, jet, **snakemake.params.table)
+every = makers(snakemake.params.curve["seed"], **snakemake.params.models)
+models = {name: every[name] for name in (POWER_LAW, PROCESS, BOOSTING)}
+two = {name: every[name] for name in (POWER_LAW, PROCESS)}
+write_stage(
+    snakemake.output.items(),
+    curve=learning_curve(given, models, **snakemake.params.curve),
+    extrapolation=extrapolate(given, models, snakemake.params.curve["seed"]),
+    targets=all_targets(dataset, jet, two, **snakemake.params.targets),
+)

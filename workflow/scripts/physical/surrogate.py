@@ -1,0 +1,31 @@
+"""The surrogate behind `abradem predict`, and a score of its own."""
+
+from abradem.learning.model_files import write_stage
+from abradem.learning.physical.distil import Settings, evaluate_surrogate, surrogate_of
+from abradem.learning.physical.gaussian_process import GaussianProcess
+from abradem.learning.physical.problem import problem
+from abradem.running.job_log import log_to
+from abradem.store.files import read_arrays, read_json
+from abradem.store.tables import read_table
+from abradem.surrogate.groups import jet_of
+
+log_to(snakemake.log[0])
+
+jet = jet_of(snakemake.params.setup)
+given = problem(read_table(snakemake.input.dataset), jet, **snakemake.params.table)
+settings = Settings(**snakemake.params.settings)
+results = evaluate_surrogate(given, settings, **snakemake.params.splits)
+model = surrogate_of(
+    given,
+    GaussianProcess.of(read_arrays(snakemake.input.process)),
+    read_json(snakemake.input.intervals)["scores"],
+    settings,
+    results,
+    **snakemake.params.options,
+)
+write_stage(
+    snakemake.output.items(),
+    model=model,
+    scores=results.scores,
+    predictions=results.predictions,
+)

@@ -1,0 +1,20 @@
+"""Snapshots of a case for ParaView."""
+
+from abradem.dem.model import Setup
+from abradem.report.vtk import case_values, write_vtk
+from abradem.running.job_log import log_to
+from abradem.store.tables import concatenate, read_table
+
+log_to(snakemake.log[0])
+
+case = snakemake.params.case
+if case is None:
+    cases = concatenate(map(read_table, snakemake.input.cases))
+    case = case_values(cases, int(snakemake.wildcards.case))
+write_vtk(
+    read_table(snakemake.input.particles),
+    read_table(snakemake.input.wear),
+    case,
+    Setup.from_dict(snakemake.params.setup),
+    snakemake.output[0],
+)

@@ -1,0 +1,16 @@
+"""The simulations of one batch of cases."""
+
+from abradem.running.job_log import log_to
+from abradem.simulation.batch import FILES, run_batch
+from abradem.store.tables import read_table
+
+log_to(snakemake.log[0])
+
+start, stop = snakemake.params.rows
+run_batch(
+    read_table(snakemake.input.cases).iloc[start:stop],
+    snakemake.params.setup,
+    {name: snakemake.output[name] for name in FILES},
+    finished=snakemake.params.finished,
+    code=snakemake.params.code,
+)

@@ -1,0 +1,15 @@
+"""Wear depth against time for angles of plate and factory."""
+
+from abradem.dem.model import Setup
+from abradem.running.job_log import log_to
+from abradem.store.columns import ANGLES
+from abradem.store.tables import write_table
+from abradem.wear.angles import depth_by_angle
+
+log_to(snakemake.log[0])
+
+curves, rates = depth_by_angle(
+    snakemake.params.case, Setup.from_dict(snakemake.params.setup), **snakemake.params.options
+)
+write_table(curves, snakemake.output.curves, extra=ANGLES)
+write_table(rates, snakemake.output.rates, extra=ANGLES)

@@ -1,0 +1,15 @@
+"""Some cases simulated again with other seeds."""
+
+from abradem.running.job_log import log_to
+from abradem.store.tables import read_table, write_table
+from abradem.wear.replicates import choose_cases, replicate
+
+log_to(snakemake.log[0])
+
+cases = choose_cases(read_table(snakemake.input[0]), snakemake.params.cases)
+part, parts = snakemake.params.part
+found = replicate(
+    cases.iloc[part::parts], snakemake.params.replicates, snakemake.params.setup,
+    snakemake.params.min_batches,
+)  # fmt: skip
+write_table(found, snakemake.output[0])
