@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from abradem.dem.contact import effective_moduli
 from abradem.verification import closed_forms as exact
 from abradem.verification.codes import (
     JET_ANGLE,
@@ -45,7 +46,7 @@ SCRIPTS = Path(__file__).parent / "other_codes"
 STEP = 1e-8
 MU = 0.45
 MASS = Scene().mass
-E_STAR = exact.effective_youngs_modulus(PARTICLE, STEEL)
+E_STAR = effective_moduli(PARTICLE, STEEL)[0]
 GRAVITY = 9.81
 THIN = 1e-4
 """Thickness of the plate where a code wants a solid box, m."""
@@ -312,8 +313,7 @@ LAMMPS_VARIANT = "incremental, capped, clipped"
 
 def _lammps_law(e, mu, other=STEEL):
     """k_n = 4/3 E*, damping for e, k_t = 8 G*, damped in the ratio of the stiffnesses."""
-    e_star = exact.effective_youngs_modulus(PARTICLE, other)
-    g_star = exact.effective_shear_modulus(PARTICLE, other)
+    e_star, g_star = effective_moduli(PARTICLE, other)
     ratio = math.sqrt(8.0 * g_star / (2.0 * e_star))
     return (
         f"hertz {4.0 / 3.0 * e_star!r} {e} damping coeff_restitution "

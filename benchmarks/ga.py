@@ -24,7 +24,13 @@ from itertools import pairwise
 import numpy as np
 import torch
 
-from abradem.learning.baselines.genetic import Options, Problem, search, train_again, usable_cores
+from abradem.learning.baselines.genetic import (
+    Options,
+    SearchProblem,
+    search,
+    train_again,
+    usable_cores,
+)
 from abradem.learning.network import Training
 
 LIMIT = 100.0
@@ -64,7 +70,9 @@ def main() -> None:
     rng = np.random.default_rng(0)
     x = rng.standard_normal((options.rows + 60, 12))
     y = x[:, 0] * x[:, 1] + x[:, 2]
-    problem = Problem(x[: options.rows], y[: options.rows], x[options.rows :], y[options.rows :])
+    problem = SearchProblem(
+        x[: options.rows], y[: options.rows], x[options.rows :], y[options.rows :]
+    )
     training = Training()
     nets = [tuple(int(n) for n in rng.integers(10, 501, rng.integers(2, 7))) for _ in range(20)]
 

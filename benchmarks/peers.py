@@ -29,10 +29,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abradem.dem.contact import effective_moduli
 from abradem.dem.model import Case, Setup
 from abradem.dem.simulation import _Engine
 from abradem.dem.state import FLYING, GONE, Problem, make_problem
-from abradem.elastic import effective_shear_modulus, effective_youngs_modulus
 
 MARGIN = 0.1
 """Share by which particles and kinetic energy may differ from ours for a comparison to be fair."""
@@ -252,7 +252,7 @@ fix move all nve/sphere
 
 def _lammps_law(a, b, case: Case, problem: Problem) -> str:
     """k_n = 4/3 E*, damping for e, k_t = 8 G*, damped in the ratio of the stiffnesses."""
-    e_star, g_star = effective_youngs_modulus(a, b), effective_shear_modulus(a, b)
+    e_star, g_star = effective_moduli(a, b)
     ratio, mu = math.sqrt(8.0 * g_star / (2.0 * e_star)), case.static_friction
     turn = 2.0 * math.pi / (ROLLING_STEPS * problem.dt)
     return (

@@ -29,7 +29,6 @@ import numpy as np
 from abradem.dem import Case, Setup, simulate
 from abradem.dem.model import NORMAL_LAWS, STEPPINGS, TANGENTIAL_DAMPINGS, ContactModel
 from abradem.dem.samples import ENERGY_TOLERANCE
-from abradem.elastic import rayleigh_time
 from abradem.quantities import SAMPLED
 from abradem.store.files import replacing
 
@@ -112,7 +111,7 @@ def soak(minutes: float, seed: int, log) -> int:
     began = time.monotonic()
     while (elapsed := time.monotonic() - began) < 60.0 * minutes:
         case, setup = draw(rng)
-        step = setup.time_step_fraction * rayleigh_time(case.particle_radius, case.particle)
+        step = setup.time_step_fraction * case.particle.rayleigh_time(case.particle_radius)
         if setup.duration / step > MOST_STEPS:
             continue
         start = time.monotonic()

@@ -23,7 +23,7 @@ import yaml
 from abradem.config import load_config, setup_dict
 from abradem.dem import simulate
 from abradem.dem.model import Case, Setup
-from abradem.dem.simulation import CHECK_GROWTH, MAPS_PER_WINDOW, Steady
+from abradem.dem.simulation import CHECK_GROWTH, MAPS_PER_WINDOW, SteadyPart
 from abradem.dem.steady import batch_means
 from abradem.store.tables import read_table
 
@@ -50,7 +50,7 @@ def stopped_rate(time, worn, present, window: float, target: float):
             continue
         look = np.searchsorted(time, time[k] * CHECK_GROWTH)
         past = slice(k + 1)
-        steady = Steady(time[past], worn[past], present[past], maps_in_window, map_interval)
+        steady = SteadyPart(time[past], worn[past], present[past], maps_in_window, map_interval)
         if not steady.settled:
             look = min(look, k + map_samples)
         elif not steady.complete(k // map_samples + 1):

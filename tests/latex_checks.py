@@ -10,7 +10,7 @@ def at_source(found, source):
     """The value that a comment names."""
     file, _, place = source.partition(": ")
     percent = place.endswith(" [x 100]")
-    value = latex.lookup(found.files[file], place.removesuffix(" [x 100]"), file)
+    value = latex.cited_value(found.files[file], place.removesuffix(" [x 100]"), file)
     return 100.0 * value if percent else value
 
 

@@ -23,6 +23,7 @@ from abradem.config import (
     explaining,
     load_config,
     read_config,
+    reference,
     sampled_ranges,
     schema,
     setup_dict,
@@ -469,7 +470,7 @@ def test_problem_names_the_file_in_which_the_value_stands(write):
         read_config(base, overlay)
     assert error.value.problems == [
         "config.yaml: sampling.blocks: 0: is out of range (allowed 1 ... 10000)",
-        "override file.yaml: sampling.cases_per_block: 0: is out of range (allowed 1 ... 100000)",
+        "overlay.yaml: sampling.cases_per_block: 0: is out of range (allowed 1 ... 100000)",
     ]
 
 
@@ -561,22 +562,24 @@ def test_every_study_is_a_valid_overlay(study):
 
 def test_grown_smoke_study_differs_in_the_number_of_blocks_only():
     smoke = read_config(CONFIG, ROOT / "studies/smoke.yaml").model_dump()
-    grown = read_config(CONFIG, ROOT / "studies/smoke_grown.yaml").model_dump()
+    grown = read_config(
+        CONFIG, ROOT / "studies/smoke.yaml", ROOT / "studies/smoke_grown.yaml"
+    ).model_dump()
     assert grown["sampling"].pop("blocks") == smoke["sampling"].pop("blocks") + 2
     assert grown == smoke
 
 
 def test_schema_and_documentation_in_the_repository_are_the_generated_ones():
     hint = "run python -m abradem.config --write"
-    assert json.loads((ROOT / documentation.SCHEMA_FILE).read_text()) == schema(), hint
-    assert (ROOT / documentation.DOCUMENTATION_FILE).read_text() == documentation(), hint
+    assert json.loads((ROOT / reference.SCHEMA_FILE).read_text()) == schema(), hint
+    assert (ROOT / reference.DOCUMENTATION_FILE).read_text() == documentation(), hint
 
 
 def test_writing_regenerates_schema_and_documentation(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert documentation.main(["--write"]) == 0
-    assert (tmp_path / documentation.DOCUMENTATION_FILE).read_text() == documentation()
-    assert documentation.main([]) == 2
+    assert reference.main(["--write"]) == 0
+    assert (tmp_path / reference.DOCUMENTATION_FILE).read_text() == documentation()
+    assert reference.main([]) == 2
 
 
 def test_every_key_has_a_help_text():

@@ -10,7 +10,7 @@ from scipy.special import beta as beta_function
 from abradem import single_impact
 from abradem.dem.damping import exact_beta, nominal_beta
 from abradem.dem.model import ContactModel, Interaction, Material, Setup
-from abradem.elastic import rayleigh_time
+from abradem.elastic import HERTZ_DURATION
 from abradem.verification import closed_forms as exact
 from abradem.verification.experiments import head_on, hertz_pair
 from abradem.verification.scenes import PARTICLE, Scene, filmed, solid
@@ -84,7 +84,7 @@ def test_textbook_damping_is_the_formula():
 
 
 def test_hertz_duration_constant_is_the_beta_integral():
-    assert pytest.approx(0.8 * beta_function(0.4, 0.5), rel=1e-7) == exact.HERTZ_DURATION
+    assert pytest.approx(0.8 * beta_function(0.4, 0.5), rel=1e-7) == HERTZ_DURATION
 
 
 @pytest.mark.parametrize(
@@ -303,7 +303,7 @@ def test_uncapped_damping_exceeds_coulomb_and_capped_does_not():
 )  # fmt: skip
 def test_default_step_biases_total_as_documented(fraction, angle, documented):
     """The default and the paper's 0.2; averaged over the phase at which the surfaces meet."""
-    dt = fraction * rayleigh_time(PARTICLE_SCENE.radius, PARTICLE)
+    dt = fraction * PARTICLE.rayleigh_time(PARTICLE_SCENE.radius)
     reference = PARTICLE_SCENE.impact(SPEED, angle).total
     phases = (np.arange(32) + 0.5) / 32
     coarse = [PARTICLE_SCENE.impact(SPEED, angle, time_step=dt, phase=p).total for p in phases]

@@ -22,7 +22,6 @@ from abradem.dem.state import (
     make_problem,
     make_state,
 )
-from abradem.elastic import rayleigh_time
 from abradem.verification.scenes import Scene, solid
 
 JET = Scene(
@@ -260,7 +259,7 @@ def test_random_places_are_a_function_of_their_keys():
 
 
 def test_a_step_that_jumps_through_contacts_is_refused():
-    dt = 3.0 * rayleigh_time(JET.radius, JET.particle)
+    dt = 3.0 * JET.particle.rayleigh_time(JET.radius)
     with pytest.raises(ValueError, match="steps per contact"):
         simulate(CASE, replace(SHORT, time_step=dt))
 

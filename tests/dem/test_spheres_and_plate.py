@@ -13,7 +13,7 @@ from abradem.dem.model import Interaction, Setup
 from abradem.dem.neighbours import rebuild_pairs
 from abradem.dem.state import DONE, FLYING, SKIN, make_problem, make_state
 from abradem.verification import closed_forms as exact
-from abradem.verification.experiments import incline, slide_to_roll
+from abradem.verification.experiments import incline, simulated_slide_to_roll
 from abradem.verification.scenes import Scene, filmed, solid
 
 SOFT = Scene(particle=solid(1e7, 0.25, 2500.0), interaction=Interaction(0.3, 0.3, 0.0))
@@ -25,7 +25,7 @@ GRAVITY = 9.81
 
 def test_a_sliding_sphere_ends_rolling():
     form = exact.slide_to_roll(SOFT.mass, 1.0, 0.3, GRAVITY)
-    found = slide_to_roll(SOFT, 1.0)
+    found = simulated_slide_to_roll(SOFT, 1.0)
     assert found.velocity == pytest.approx(form.velocity, rel=1e-6)
     assert found.time == pytest.approx(form.time, rel=5e-3)
     assert found.total == pytest.approx(form.total, rel=5e-3)

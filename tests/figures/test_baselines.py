@@ -8,9 +8,9 @@ from tables import product_law
 
 from abradem.figures.comparison import comparison_figure, predictions_figure
 from abradem.figures.ga_ann import search_figure
-from abradem.figures.linear import residuals_figure
 from abradem.figures.pca import components_curve_figure, correlations_figure, loadings_figure
 from abradem.figures.penalised import penalised_figure
+from abradem.figures.residuals import residuals_figure
 from abradem.figures.selection import selection_figure
 from abradem.figures.trees import tree_curve_figure, tree_figure
 from abradem.learning.baselines.ga_ann import fit_networks
@@ -86,7 +86,7 @@ def figures(request):
 def test_figures_are_fit_to_print_and_name_their_protocol(figures, name):
     figure = figures[name]
     words = texts(figure).replace("\n", " ").lower()
-    assert "leakage_free" in words or "both protocols" in words
+    assert "leakage-free" in words or "both protocols" in words
     if name not in ("tree", "residuals", "correlations"):
         assert "as published" in words
     assert_fit_to_print(figure)

@@ -8,6 +8,7 @@ from figure_checks import SETUP, assert_fit_to_print, study, texts
 from abradem.dataset.features import derive
 from abradem.figures import linear as linear_figures
 from abradem.figures import maps as map_figures
+from abradem.figures import quality as quality_figures
 from abradem.figures import series as series_figures
 from abradem.figures import style
 from abradem.figures.maps import depth_rate_maps
@@ -123,7 +124,7 @@ def test_predicted_against_actual_shows_held_out_rows_score_and_protocol(fitted)
     figure = linear_figures.predicted_figure(fitted.predictions, fitted.summary)
     (panel,) = figure.axes
     points = panel.collections[0].get_offsets()
-    leakage_free = fitted.predictions.query("protocol == 'leakage-free'")
+    leakage_free = fitted.predictions.query("protocol == 'leakage_free'")
     assert len(points) == len(leakage_free) and np.isfinite(points).all()
     words = texts(figure).replace("\n", " ")
     for part in (
@@ -159,7 +160,7 @@ def test_a_score_that_cannot_be_computed_is_not_invented(fitted):
 def test_quality_histograms_count_every_case(dozen):
     rates = wear_rates(*dozen, SETUP)
     quality = quality_table(rates)
-    figure = series_figures.quality_figure(quality, 0.02)
+    figure = quality_figures.quality_figure(quality, 0.02)
     for panel in figure.axes:
         assert sum(bar.get_height() for bar in panel.patches) == 12
     within = int((quality["relative_stderr"] <= 0.02).sum())
@@ -172,7 +173,7 @@ def test_quality_bins_reach_all_values(errors):
     quality = pd.DataFrame(
         {"relative_stderr": errors, "wear_r2": np.linspace(1.0, 0.1, len(errors))}
     )
-    figure = series_figures.quality_figure(quality, 0.02)
+    figure = quality_figures.quality_figure(quality, 0.02)
     for panel in figure.axes:
         assert sum(bar.get_height() for bar in panel.patches) == len(errors)
 

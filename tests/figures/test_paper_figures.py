@@ -1,6 +1,9 @@
 """Figures of the set-up, the workflow, the networks and the parameter space."""
 
+import importlib
+import inspect
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -16,17 +19,17 @@ from abradem.config import load_config, typical_case
 from abradem.figures import style
 from abradem.figures.angles import angles_figure
 from abradem.figures.architecture import architecture_figure
-from abradem.figures.catalogue import GROUP_OF
+from abradem.figures.catalogue import FIGURES
 from abradem.figures.distributions import distributions_figure, standardised
 from abradem.figures.film import Shot, frames, shared_top
-from abradem.figures.flow import generation_figure, workflow_figure
+from abradem.figures.flow import generation_figure, needs_of, workflow_figure
 from abradem.figures.gallery import chosen_cases, gallery_figure
 from abradem.figures.gallery_page import WIDTH, page, shrink
 from abradem.figures.maps import depth_rate_maps
-from abradem.figures.render import Camera, Patch, Plate, picture
+from abradem.figures.render import Camera, DrawnPlate, Patch, picture
 from abradem.figures.setup import setup_figure
 from abradem.figures.verdicts import margins, verdicts_figure
-from abradem.running.rule_graph import from_dot, needs_of
+from abradem.running.rule_graph import from_dot
 from abradem.verification.checks import HOLDS, Check, checks_table
 from abradem.verification.results_page import PARTS
 
@@ -55,8 +58,8 @@ DOT = """digraph snakemake_dag {
 }"""
 STAGES = {
     "sample": "sampling", "join_cases": "sampling", "simulate": "simulation",
-    "wear_rates": "dataset", "dataset": "dataset", "linear": "learning",
-    "figure_maps": "figures_simulation", "provenance": "report",
+    "wear_rates": "wear", "dataset": "dataset", "linear": "baselines",
+    "figure_maps": "figures", "provenance": "running",
 }  # fmt: skip
 STUDY = {"cases": 12, "blocks": 2, "jobs": 4, "method": "lhs", "seed": 1, "external": None}
 
@@ -100,7 +103,7 @@ def _is_number(word):
 
 
 CAMERA = Camera(np.array([0.0, 0.0, 5.0]), np.zeros(3), 1.0, 80, 80)
-FAR = Plate(0.1, 0.1, 0.0, np.full((1, 1, 3), 0.5))
+FAR = DrawnPlate(0.1, 0.1, 0.0, np.full((1, 1, 3), 0.5))
 
 
 def inside(image):
@@ -141,7 +144,7 @@ def test_a_facet_has_its_colour_and_lies_where_it_belongs():
     red, grey = to_rgb("red"), (0.5, 0.5, 0.5)
     colours = np.full((2, 2, 3), grey)
     colours[1, 0] = red
-    plate = Plate(0.4, 0.4, 30.0, colours)
+    plate = DrawnPlate(0.4, 0.4, 30.0, colours)
     camera = Camera(np.array([0.0, 3.0, 0.5]), np.zeros(3), 0.6, 100, 100)
     image = picture(camera, plate, np.empty((0, 3)), 0.01, finer=1)
     column, row = camera.project(plate.point(0.5, -0.5))[0].astype(int)
@@ -151,7 +154,7 @@ def test_a_facet_has_its_colour_and_lies_where_it_belongs():
 
 
 def test_a_particle_shades_the_plate_below_it_and_nothing_else():
-    plate = Plate(0.4, 0.4, 0.0, np.full((1, 1, 3), 0.9))
+    plate = DrawnPlate(0.4, 0.4, 0.0, np.full((1, 1, 3), 0.9))
     camera = Camera(np.array([0.0, 3.0, 0.01]), np.zeros(3), 0.6, 100, 100)
     bare = picture(camera, plate, np.empty((0, 3)), 0.02)
     shaded = picture(camera, plate, np.array([[0.0, 0.05, 0.0]]), 0.02)
@@ -407,13 +410,12 @@ def test_frames_of_the_film_share_one_scale_and_the_wear_grows():
 
 
 ROOT = Path(__file__).parents[2]
-REPORT = ROOT / "workflow" / "report"
+RULES = (ROOT / "workflow" / "rules" / "figures.smk").read_text()
 
 
 def named_figures():
-    text = (ROOT / "workflow" / "rules" / "figures.smk").read_text()
-    head = text[: text.index("rule figures")]
-    return sorted(set(part for part in head.split('"')[1::2] if part.isidentifier()))
+    """Figures that the rules make."""
+    return re.findall(r'figure_files\("(\w+)"\)', RULES)
 
 
 LIST_OF_THE_PAPER = (
@@ -432,16 +434,27 @@ def test_every_figure_of_the_paper_is_made_by_the_workflow():
     assert set(LIST_OF_THE_PAPER) <= set(named_figures())
 
 
-def test_the_workflow_makes_all_figures_of_the_list_and_no_other():
-    assert named_figures() == sorted(GROUP_OF)
+def test_the_workflow_makes_all_figures_of_the_catalogue_once_and_no_other():
+    assert sorted(named_figures()) == sorted(FIGURES)
 
 
-@pytest.mark.parametrize("name", sorted(GROUP_OF))
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_figure_is_drawn_from_the_inputs_and_options_of_its_rule(name):
+    rule = RULES[RULES.index(f"rule figure_{name}:") :].split("    script:")[0]
+    inputs = rule.partition("input:")[2].partition("output:")[0]
+    named = set(re.findall(r"^ +(\w+)=", inputs, re.MULTILINE))
+    module, function = FIGURES[name].draw.split(":")
+    draw = getattr(importlib.import_module(f"abradem.figures.{module}"), function)
+    assert named <= inspect.signature(draw).parameters.keys()
+    assert f'**drawn_as("{name}")' in rule
+
+
+@pytest.mark.parametrize("name", FIGURES)
 def test_every_figure_has_a_caption_and_a_place_in_the_gallery(name):
-    assert (REPORT / f"{name}.rst").read_text(encoding="utf-8").strip()
+    entry = FIGURES[name]
+    assert entry.label and entry.caption.endswith(".")
     if name not in MADE_ELSEWHERE:
-        gallery = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
-        assert f"](images/{name}.png)" in gallery
+        assert f"](images/{name}.png)" in page(set(FIGURES))
 
 
 def test_the_gallery_page_shows_no_figure_that_is_not_there():

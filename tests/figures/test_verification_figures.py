@@ -24,7 +24,7 @@ def test_restitution_shows_the_three_normal_laws():
 def test_codes_shows_every_code_of_the_tables():
     reference = codes.read(DATA / "single_impacts.csv")
     reference = reference[reference["angle"] == 30.0]
-    figure = FIGURES["codes"](codes.compare(reference))
+    figure = FIGURES["codes"](codes.compare_impacts(reference))
     assert {text.split(":")[0] for text in labels(figure)} == set(reference["code"])
 
 

@@ -19,8 +19,10 @@ NAMES = {
 
 @pytest.fixture
 def stored(tmp_path):
-    result = linear.fit_linear(linear_law(60, 0.2), repeats=2)
-    linear.write_linear(result, {name: tmp_path / file for name, file in NAMES.items()})
+    table, options = linear_law(60, 0.2), {"repeats": 2}
+    result = linear.fit_linear(table, **options)
+    found = linear.train(table, "wear_total_mean", "dataset", **options)
+    write_stage({name: tmp_path / file for name, file in NAMES.items()}, **found)
     return result, tmp_path / "linear.json"
 
 
@@ -32,7 +34,9 @@ def test_a_stored_model_predicts_what_was_fitted(stored):
         rows["wear_total_mean"].to_numpy(),
     )
     x = rows[[f["name"] for f in result.summary["features"]]].to_numpy()
-    np.testing.assert_allclose(load_model(path).predict(rows), linear.predict(fit, x), rtol=1e-9)
+    np.testing.assert_allclose(
+        load_model(path).predict(rows), linear.predict_linear(fit, x), rtol=1e-9
+    )
 
 
 def test_rows_outside_the_training_ranges_are_named(stored):

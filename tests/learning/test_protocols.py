@@ -70,5 +70,5 @@ def test_leakage_free_models_learn_nothing_from_test_rows_and_published_ones_do(
             model for model in first if not first[model][rest].equals(second[model][rest])
         }
     assert changed[LEAKAGE_FREE] == set()
-    # All but the tree, which is not scaled, see the test rows in their scalers.
+    # All but the tree, which is not with_scalers, see the test rows in their scalers.
     assert {"lasso", "ridge", "pca"} <= changed[AS_PUBLISHED]

@@ -75,7 +75,7 @@ def results():
         "cases_with_good_r2": 12, "good_r2": 0.95, "median_relative_stderr": 0.01447,
         "target": "wear_total_mean",
     }  # fmt: skip
-    return latex.Results(
+    return latex.CitedResults(
         {
             latex.CONFIG: load_config({"study": "a_study"}).model_dump(mode="json"),
             latex.DATASET: dataset,
@@ -157,7 +157,7 @@ def test_without_verification_and_simulations_these_numbers_are_left_out():
     found = results()
     files = {name: data for name, data in found.files.items() if name != latex.CHECKS}
     files[latex.SUMMARY] = {"external": "t.csv", "cases": 13, "target": "wear_total_mean"}
-    small = latex.Results(files)
+    small = latex.CitedResults(files)
     names = set(latex.study_numbers(small))
     assert "NumberOfCases" in names and "RsquaredLinear" in names
     assert not {"VerificationChecks", "NumberOfFailures", "PlateLengthMm"} & names

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from abradem.config import read_config, sampled_ranges, setup_dict
-from abradem.running.provenance import STEPS
 from abradem.sampling.cost import batch_seconds, case_seconds
 from abradem.sampling.draw import block_cases
 
@@ -46,7 +45,3 @@ def test_a_batch_takes_the_time_of_its_cases(paper):
     total = case_seconds(cases, setup)
     expected = [total[start:stop].sum() for start, stop in batches]
     np.testing.assert_allclose(batch_seconds(cases, setup, batches), expected, rtol=1e-12)
-
-
-def test_no_step_depends_on_the_guess():
-    assert not any("abradem.sampling.cost" in modules for modules in STEPS.values())

@@ -16,8 +16,8 @@ LIMITED = """
 import resource, signal, sys
 import abradem.dem, numpy, pandas, pyarrow.parquet
 from abradem.running.job_log import log_to
-from abradem.dataset.join import read_table
-from abradem.simulation.batch import FILES, run_shard
+from abradem.store.tables import read_table
+from abradem.simulation.batch import FILES, run_batch
 log_to("job.log")
 kind, most, setup = sys.argv[1], int(sys.argv[2]), dict(eval(sys.argv[3]))
 cases = read_table("cases.parquet")
@@ -30,7 +30,7 @@ elif kind == "memory":
     warm()
     used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + most, used + most))
-run_shard(cases, setup, {name: f"{name}.parquet" for name in FILES}, "finished/batch", "code")
+run_batch(cases, setup, {name: f"{name}.parquet" for name in FILES}, "finished/batch", "code")
 """
 """A batch in a process of its own, under a limit."""
 

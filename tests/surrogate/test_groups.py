@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tables import drawn
 
-from abradem.learning.physical.power_law import PHYSICAL, PowerLaw
+from abradem.learning.physical.power_law import SHARES, PowerLaw
 from abradem.quantities import SAMPLED_NAMES
 from abradem.surrogate.groups import GROUP_NAMES, Jet, group_matrix, jet_of, mass_rate, wear_scale
 
@@ -105,7 +105,7 @@ def test_exponents_of_quantities_are_what_a_step_of_the_quantity_does():
             np.log(wear_scale(v, JET)) + law.predict(group_matrix(v, JET)) for v in (values, moved)
         ]
         np.testing.assert_allclose((wear[1] - wear[0]) / np.log(step), found[name], atol=1e-9)
-    assert set(PHYSICAL) <= set(found.index)
+    assert set(SHARES) <= set(found.index)
 
 
 def test_standard_errors_cover_the_truth_as_often_as_they_say():

@@ -16,7 +16,7 @@ from abradem.verification.results_page import (
     BEGIN,
     END,
     into_document,
-    number,
+    plain_number,
     results_page,
     verdict_counts,
 )
@@ -37,7 +37,7 @@ def test_every_closed_form_holds(checks):
 @pytest.fixture(scope="module")
 def comparison():
     reference = codes.read(CODES / "single_impacts.csv")
-    return codes.compare(reference[reference["angle"].isin([30.0, 60.0])])
+    return codes.compare_impacts(reference[reference["angle"].isin([30.0, 60.0])])
 
 
 def test_other_codes_agree_under_the_same_options_or_for_a_named_reason(comparison):
@@ -168,4 +168,4 @@ def test_tables_are_written_with_units_and_as_text(tmp_path):
 
 
 def test_numbers_are_printed_with_four_digits():
-    assert number(0.0123456) == "0.01235"
+    assert plain_number(0.0123456) == "0.01235"

@@ -3,13 +3,10 @@
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from abradem.config import ConfigError, load_config, typical_case
 from abradem.dem.model import Setup
-from abradem.running.rule_graph import from_dot, rule_graph, stages
-from abradem.running.run_times import run_times
 from abradem.simulation.snapshots import write_scene
 from abradem.store.tables import read_table
 from abradem.wear.angles import depth_by_angle
@@ -55,39 +52,3 @@ def test_a_depth_of_the_frames_is_the_plate_mean_of_the_series(tmp_path):
     worn = wear.groupby("time")["wear_total"].sum()
     mean = 1e3 * CASE["archard_constant"] / SETUP.plate_area * worn
     np.testing.assert_allclose(depth.mean(axis=(1, 2)), mean, rtol=1e-12)
-
-
-def test_run_times_are_summed_by_rule_and_half_written_files_do_not_count(tmp_path):
-    (tmp_path / "simulate").mkdir()
-    for name, seconds in (("a", 2.0), ("b", 3.5)):
-        (tmp_path / "simulate" / f"{name}.tsv").write_text(f"s\th:m:s\n{seconds}\t0:00:02\n")
-    (tmp_path / "simulate" / "c.tsv").write_text("s\th:m:s\n")
-    (tmp_path / "angles.tsv").write_text("s\th:m:s\n9.0\t0:00:09\n")
-    (tmp_path / "half.tsv").write_text("")
-    assert run_times(tmp_path) == [
-        {"rule": "angles", "jobs": 1, "seconds": 9.0, "longest": 9.0},
-        {"rule": "simulate", "jobs": 2, "seconds": 5.5, "longest": 3.5},
-    ]
-    assert run_times(tmp_path / "nothing") == []
-
-
-def test_every_rule_has_the_file_it_stands_in_first():
-    files = sorted((ROOT / "workflow" / "rules").glob("*.smk"))
-    found = stages(files)
-    assert found["simulate"] == "simulation" and found["dataset"] == "dataset"
-    assert found["figure_flow"] == "paper"
-
-
-def test_the_graph_of_rules_is_a_table_of_pairs():
-    dot = '0[label = "all"];\n1[label = "b\\nx: 1"];\n2[label = "a"];\n2 -> 1\n1 -> 0\n'
-    graph = from_dot(dot, {"a": "first", "b": "second"})
-    expected = pd.DataFrame({"rule": ["a", "b"], "stage": ["first", "second"], "needs": ["", "a"]})
-    pd.testing.assert_frame_equal(graph, expected, check_dtype=False)
-
-
-def test_a_workflow_that_is_wrong_is_one_line(tmp_path):
-    snakefile = tmp_path / "Snakefile"
-    snakefile.write_text("import sys\nsys.exit('no such study')\n")
-    with pytest.raises(RuntimeError, match=r"snakemake --rulegraph failed: ") as error:
-        rule_graph(snakefile, [])
-    assert "\n" not in str(error.value)

@@ -5,7 +5,10 @@ import pandas as pd
 import pytest
 
 from abradem.dem.model import Setup
+from abradem.figures.maps import depth_rate_maps
+from abradem.figures.series import depth_series
 from abradem.quantities import SAMPLED, WEAR_COLUMNS, WEAR_MEASURES
+from abradem.report.summary import quality_counts
 from abradem.wear import rates as wr
 
 SETUP = Setup(plate_length=0.2, plate_width=0.1, facet_size=0.05, window=2.0)  # 4 x 2 facets
@@ -143,7 +146,7 @@ def test_depth_rates_of_a_straight_study_are_w_times_power_per_area():
 
 def test_the_map_of_a_steady_case_has_the_mean_of_the_slope():
     series, maps, runs, cases = straight_study()
-    facets, _ = wr.depth_rate_maps(maps, runs, cases, SETUP, [5])
+    facets, _ = depth_rate_maps(maps, runs, cases, SETUP, [5])
     rates = wr.wear_rates(series, maps, runs, cases, SETUP)
     assert facets["depth_rate"].mean() == pytest.approx(rates["wear_total_mean"][0], rel=1e-12)
     assert facets["x"].min() == pytest.approx(-75.0) and facets["z"].max() == pytest.approx(25.0)
@@ -230,7 +233,7 @@ def test_the_summary_counts_straight_series_and_flags():
             "quality": ["ok", "stderr", "overlap+stderr"],
         }
     )
-    assert wr.summary(rates, 0.95) == {
+    assert quality_counts(rates, 0.95) == {
         "cases": 3,
         "good_r2": 0.95,
         "cases_with_good_r2": 2,
@@ -247,7 +250,7 @@ def test_fewer_than_twenty_batches_are_refused():
 
 def test_the_fitted_line_runs_through_the_ends_of_the_steady_part():
     series, _, runs, cases = straight_study()
-    curves, fits = wr.depth_series(series, runs, cases, SETUP, [5, 77])
+    curves, fits = depth_series(series, runs, cases, SETUP, [5, 77])
     assert list(fits["case_id"]) == [5]
     row = fits.iloc[0]
     assert row["depth_from"] == pytest.approx(0.0, abs=1e-18)

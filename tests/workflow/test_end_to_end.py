@@ -21,53 +21,61 @@ import yaml
 from latex_checks import assert_agree, at_source, is_number, macros, rows
 from tables import product_law
 
-from abradem.figures.catalogue import GROUP_OF
+from abradem.figures.catalogue import FIGURES as CATALOGUE
 from abradem.quantities import SAMPLED_NAMES
 from abradem.report import latex
-from abradem.store.tables import read_table
+from abradem.store.tables import read_result, read_table
 
 ROOT = Path(__file__).parents[2]
 SMOKE = "studies/smoke.yaml"
+GROWN = (SMOKE, "studies/smoke_grown.yaml")
 BLOCKS, BATCHES_PER_BLOCK = 2, 2
 BATCHES = BLOCKS * BATCHES_PER_BLOCK
 
-OF_LINEAR = {"figure_coefficients": 1, "figure_residuals": 1, "figure_predicted": 1}
-OF_PHYSICAL = {"figure_models": 1, "figure_sensitivity": 1, "figure_reach": 1}
+def each(*rules):
+    """One job of each rule."""
+    return dict.fromkeys(rules, 1)
+
+
+OF_LINEAR = each("figure_coefficients", "figure_residuals", "figure_predicted")
+OF_PCA = each("figure_correlations", "figure_loadings", "figure_components")
+OF_TREES = each("figure_tree", "figure_tree_depth")
+OF_GA_ANN = each("figure_ga_ann", "figure_architecture")
+OF_COMPARISON = each("figure_comparison", "figure_predictions")
+OF_PHYSICAL = each("figure_models", "figure_sensitivity", "figure_reach")
 OF_LEARNING = {
-    **OF_LINEAR, **OF_PHYSICAL, "figure_penalised": 1, "figure_selection": 1, "figure_pca": 1,
-    "figure_trees": 1, "figure_ga_ann": 1, "figure_comparison": 1, "figure_architecture": 1,
-    "figure_distributions": 1,
+    **OF_LINEAR, **OF_PCA, **OF_TREES, **OF_GA_ANN, **OF_COMPARISON, **OF_PHYSICAL,
+    **each("figure_penalised", "figure_selection", "figure_distributions"),
 }  # fmt: skip
-OF_SIMULATIONS = {"figure_series": 1, "figure_maps": 1, "figure_gallery": 1}
-SCENES = {"scene": 1, "angles": 1, "figure_setup": 1, "figure_angles": 1}
+OF_SIMULATIONS = each("figure_series", "figure_maps", "figure_gallery")
+OF_CHARTS = each("figure_generation", "figure_rules")
+SCENES = each("scene", "angles", "figure_setup", "figure_angles")
 FIGURES = {
-    **OF_SIMULATIONS, "figure_quality": 1, "figure_setup": 1, "figure_angles": 1, "figure_flow": 1,
+    **OF_SIMULATIONS, **OF_CHARTS, **each("figure_quality", "figure_setup", "figure_angles"),
     **OF_LEARNING,
 }  # fmt: skip
 # The tables of scores, comparison and beside_paper follow every model.
 AFTER_SCORES = {
-    "scores": 1, "figure_comparison": 1, "figure_models": 1, "figure_distributions": 1,
-    "summary": 1, "latex": 1, "table": 3,
+    **each("scores", "figure_models", "figure_distributions", "summary", "latex"),
+    **OF_COMPARISON, "table": 3,
 }  # fmt: skip
-PHYSICAL = {
-    "physical": 1, "intervals": 1, "surrogate": 1, "sensitivity": 1, "reach": 1, "findings": 1,
+PHYSICAL = each("fit_physical", "intervals", "surrogate", "sensitivity", "reach", "findings")
+TRAINING = {
+    **each("linear", "penalised", "pca", "selection", "trees"), "ga_ann": 2, **PHYSICAL,
 }  # fmt: skip
-LEARNING = {
-    "linear": 1, "penalised": 1, "pca": 1, "selection": 1, "trees": 1, "ga_ann": 2, **OF_LEARNING,
-    **PHYSICAL, "scores": 1, "summary": 1, "latex": 1, "table": 12,
-}  # fmt: skip
+LEARNING = {**TRAINING, **OF_LEARNING, **each("scores", "summary", "latex"), "table": 12}
 AFTER_DATASET = {
-    **LEARNING, "figure_quality": 1, "noise_floor": 1, "speed_up": 1, "table": 13, "all": 1,
+    **LEARNING, **each("figure_quality", "noise_floor", "speed_up", "all"), "table": 13,
 }  # fmt: skip
-AFTER_WEAR_RATES = {"failures": 1, "dataset": 1, **AFTER_DATASET}
+AFTER_WEAR_RATES = {**each("failures", "dataset"), **AFTER_DATASET}
 AFTER_SIMULATION = {"wear_rates": BATCHES, **AFTER_WEAR_RATES, **OF_SIMULATIONS}
 # What ranges and code of the simulations reach; the graph of rules is of the workflow alone.
 ALL_OF_RANGES = {
-    "sample": BLOCKS, "join_cases": 1, "simulate": BATCHES, "provenance": 1, "replicates": 4,
+    "sample": BLOCKS, "simulate": BATCHES, "replicates": 4, **each("join_cases", "provenance"),
     **AFTER_SIMULATION, **SCENES,
 }  # fmt: skip
-ALL_OF_SIMULATION = {**ALL_OF_RANGES, "figure_flow": 1}
-EVERYTHING = {**ALL_OF_SIMULATION, "rule_graph": 1}
+ALL_OF_SIMULATION = {**ALL_OF_RANGES, "figure_generation": 1}
+EVERYTHING = {**ALL_OF_SIMULATION, **each("rule_graph", "figure_rules")}
 
 
 class Project:
@@ -219,7 +227,8 @@ def test_a_touch_reruns_nothing(project):
     assert project.pending() == {}
 
 
-@pytest.mark.parametrize("stage", ["sampling", "simulation", "dataset", "learning", "figures"])
+@pytest.mark.parametrize("stage", ["sampling", "simulation", "wear", "dataset", "baselines", "physical", "learning", "figures",
+     "documents"])
 def test_each_stage_is_a_target(project, stage):
     assert project.pending(stage) == {}
 
@@ -251,7 +260,7 @@ def test_the_report_holds_all_and_needs_no_network(project):
 
 def test_every_figure_of_the_list_is_there_in_every_format(project):
     # A study shows these two where their results are there.
-    names = set(GROUP_OF) - {"verification", "speed"}
+    names = set(CATALOGUE) - {"verification", "speed"}
     for suffix in ("png", "pdf"):
         found = {path.stem for path in (project.results / "figures").glob(f"*.{suffix}")}
         assert found == names
@@ -260,14 +269,14 @@ def test_every_figure_of_the_list_is_there_in_every_format(project):
 def test_no_number_for_latex_differs_from_its_source(project):
     folder = project.results / "latex"
     files = {
-        file: latex.read_result(project.results / file)
+        file: read_result(project.results / file)
         for file in (
             latex.DATASET, latex.SUMMARY, latex.COMPARISON, latex.BESIDE, latex.SCORES,
             latex.SELECTION, *latex.NETWORKS.values(),
         )
     }  # fmt: skip
     config = yaml.safe_load((project.results / "config.yaml").read_text())
-    found = latex.Results({**files, latex.CONFIG: config})
+    found = latex.CitedResults({**files, latex.CONFIG: config})
     defined = macros((folder / "numbers.tex").read_text())
     assert len(defined) > 80
     for _, text, source in defined:
@@ -288,37 +297,71 @@ def test_files_for_paraview_are_made_on_demand(project):
 # What an edit of the code reruns
 
 
-def test_an_edited_wear_rate_reruns_wear_rates_and_what_follows(project):
-    with project.edited("src/abradem/wear_rate.py", "MM_PER_M = 1e3", "MM_PER_M = 1.0e3"):
-        jobs = project.pending()
-    assert jobs.pop("provenance") == 1
-    assert jobs == {**AFTER_SIMULATION, **SCENES, "replicates": 4}
-    assert project.pending() == {}
+WORDS = {**FIGURES, **each("latex", "findings")}
+"""What shows labels of quantities, groups, models or protocols."""
+
+SOURCES = "src/abradem"
 
 
 @pytest.mark.parametrize(
     ("file", "jobs"),
     [
-        ("src/abradem/figures/maps.py", {"figure_maps": 1}),
-        ("src/abradem/figures/linear.py", {"figure_coefficients": 1, "figure_predicted": 1}),
-        ("src/abradem/figures/setup.py", {"figure_setup": 1}),
-        ("src/abradem/figures/flow.py", {"figure_flow": 1}),
-        ("src/abradem/figures/style.py", {**FIGURES, "latex": 1}),
-        ("src/abradem/latex.py", {"latex": 1}),
-        ("src/abradem/learning/linear.py", {**AFTER_SCORES, "linear": 1, **OF_LINEAR, "table": 5}),
-        ("src/abradem/learning/trees.py", {**AFTER_SCORES, "trees": 1, "figure_trees": 1}),
-        ("src/abradem/learning/genetic.py", {
-            **AFTER_SCORES, "ga_ann": 2, "figure_ga_ann": 1, "figure_architecture": 1,
+        # Words and helpers of figures rerun no simulation and no training.
+        (f"{SOURCES}/words/labels.py", WORDS),
+        (f"{SOURCES}/figures/style.py", FIGURES),
+        (f"{SOURCES}/figures/catalogue.py", {}),
+        (f"{SOURCES}/figures/maps.py", each("figure_maps", "figure_gallery")),
+        (f"{SOURCES}/figures/cases_shown.py", OF_SIMULATIONS),
+        (f"{SOURCES}/figures/series.py", each("figure_series")),
+        (f"{SOURCES}/figures/quality.py", each("figure_quality")),
+        (f"{SOURCES}/figures/linear.py", each("figure_coefficients", "figure_predicted")),
+        (f"{SOURCES}/figures/residuals.py", each("figure_residuals")),
+        (f"{SOURCES}/figures/setup.py", each("figure_setup")),
+        (f"{SOURCES}/figures/flow.py", OF_CHARTS),
+        (f"{SOURCES}/figures/pca.py", OF_PCA),
+        ("workflow/scripts/figures/figure.py", FIGURES),
+        (f"{SOURCES}/report/latex.py", each("latex")),
+        (f"{SOURCES}/report/findings.py", each("findings")),
+        (f"{SOURCES}/report/summary.py", each("summary", "latex")),
+        # Models.
+        (f"{SOURCES}/learning/baselines/linear.py", {
+            **AFTER_SCORES, "linear": 1, **OF_LINEAR, "table": 5,
         }),
-        ("src/abradem/learning/comparison.py", AFTER_SCORES),
-        ("src/abradem/features.py", AFTER_WEAR_RATES),
-        ("src/abradem/batches.py", ALL_OF_SIMULATION),
-        ("src/abradem/dem/synchronous.py", ALL_OF_SIMULATION),
-        ("workflow/scripts/table.py", {"table": 13}),
-        ("src/abradem/config/declaration.py", {}),
-        ("src/abradem/progress.py", {}),
-        ("src/abradem/cost.py", {}),
-        ("src/abradem/locks.py", {}),
+        (f"{SOURCES}/learning/baselines/trees.py", {**AFTER_SCORES, "trees": 1, **OF_TREES}),
+        (f"{SOURCES}/learning/baselines/genetic.py", {**AFTER_SCORES, "ga_ann": 2, **OF_GA_ANN}),
+        (f"{SOURCES}/learning/comparison.py", AFTER_SCORES),
+        (f"{SOURCES}/learning/physical/noise_floor.py", {
+            **each("noise_floor", "findings", "figure_models"),
+        }),
+        # Data.
+        (f"{SOURCES}/dataset/features.py", AFTER_WEAR_RATES),
+        (f"{SOURCES}/dataset/join.py", {**AFTER_WEAR_RATES}),
+        (f"{SOURCES}/wear/rates.py", {
+            **AFTER_SIMULATION, "replicates": 4, **SCENES, "scene": 0, "figure_setup": 0,
+        }),
+        (f"{SOURCES}/wear/depths.py", each("figure_setup")),
+        (f"{SOURCES}/simulation/batch.py", {
+            k: v for k, v in ALL_OF_SIMULATION.items()
+            if k not in ("sample", "join_cases", "scene", "angles", "figure_setup",
+                         "figure_angles", "figure_generation", "provenance")
+        }),
+        (f"{SOURCES}/dem/synchronous.py", {
+            k: v for k, v in ALL_OF_SIMULATION.items()
+            if k not in ("sample", "join_cases", "figure_generation", "provenance")
+        }),
+        (f"{SOURCES}/dem/model.py", {**ALL_OF_SIMULATION}),
+        (f"{SOURCES}/elastic.py", {**ALL_OF_SIMULATION}),
+        (f"{SOURCES}/quantities.py", {**EVERYTHING, "rule_graph": 0}),
+        # Storage, configuration and what surrounds a run.
+        ("workflow/scripts/report/table.py", {"table": 13}),
+        (f"{SOURCES}/store/columns.py", {}),
+        (f"{SOURCES}/store/files.py", {}),
+        (f"{SOURCES}/store/tables.py", {}),
+        (f"{SOURCES}/store/locks.py", {}),
+        (f"{SOURCES}/config/declaration.py", {}),
+        (f"{SOURCES}/running/progress.py", {}),
+        (f"{SOURCES}/sampling/cost.py", {}),
+        (f"{SOURCES}/report/tables.py", {}),
     ],
 )  # fmt: skip
 def test_an_edited_module_reruns_its_steps_and_what_follows(project, file, jobs):
@@ -331,12 +374,36 @@ def test_an_edited_module_reruns_its_steps_and_what_follows(project, file, jobs)
         path.write_text(text, encoding="utf-8")
     # Hashes of the code are recorded, so their file is renewed with any edit that matters.
     expected = {**jobs, "provenance": 1, "all": 1} if jobs else {}
-    assert pending == expected
+    assert pending == {rule: count for rule, count in expected.items() if count}
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "jobs"),
+    [
+        (f"{SOURCES}/words/labels.py", '"plate angle"),\n    "factory', '"tilt"),\n    "factory',
+         WORDS),
+        (f"{SOURCES}/figures/catalogue.py", "Wear depth rate on the facets", "Rate on facets",
+         each("figure_maps")),
+        (f"{SOURCES}/figures/catalogue.py", '"wear on the plate"', '"worn plate"', {}),
+        (f"{SOURCES}/report/tables.py", "Scores of the models: one row", "One row", {"table": 1}),
+    ],
+)  # fmt: skip
+def test_an_edited_label_or_caption_repeats_no_simulation_and_no_training(
+    project, file, old, new, jobs
+):
+    with project.edited(file, old, new):
+        pending = project.pending()
+    assert not pending.keys() & {"sample", "simulate", "wear_rates", "dataset", *TRAINING} - {
+        "findings"
+    }
+    for rule in ("provenance", "all"):
+        pending.pop(rule, None)
+    assert pending == jobs
 
 
 def test_an_edited_rule_redraws_the_graph_of_rules(project):
-    with project.edited("workflow/rules/vtk.smk", "# On demand: snakemake vtk.", "# On demand."):
-        assert project.pending() == {"rule_graph": 1, "figure_flow": 1, "all": 1}
+    with project.edited("workflow/rules/report.smk", "# On demand: snakemake vtk.", "# On call."):
+        assert project.pending() == {"rule_graph": 1, **OF_CHARTS, "all": 1}
 
 
 def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
@@ -376,10 +443,10 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
         }),
         ({"simulation": {"max_failed_share": 0.5}}, {"dataset": 1, **AFTER_DATASET, "table": 12}),
         ({"learning": {"trees": {"forest_trees": 9}}}, {
-            **AFTER_SCORES, "trees": 1, "figure_trees": 1,
+            **AFTER_SCORES, "trees": 1, **OF_TREES,
         }),
         ({"learning": {"ga_ann": {"mutation": 0.3}}}, {
-            **AFTER_SCORES, "ga_ann": 2, "figure_ga_ann": 1, "figure_architecture": 1,
+            **AFTER_SCORES, "ga_ann": 2, **OF_GA_ANN,
         }),
         ({"learning": {"bootstrap": 300}}, AFTER_SCORES),
         ({"learning": {"penalised": {"path_points": 9}}}, {
@@ -389,7 +456,7 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
         ({"figures": {"typical": {"plate_angle": 20}}}, SCENES),
         ({"figures": {"angles": {"plate": [10]}}}, {"angles": 1, "figure_angles": 1}),
         ({"figures": {"movie": {"duration_s": 1}}}, {}),
-        ({"simulation": {"export": {"cases": [1]}}}, {"export": 1}),
+        ({"simulation": {"export": {"cases": [1]}}}, {"snapshots_of_case": 1}),
     ],
 )  # fmt: skip
 def test_a_changed_value_reruns_what_depends_on_it(project, values, jobs):
@@ -405,7 +472,9 @@ def test_one_case_per_job_is_possible(project):
 def test_an_export_holds_snapshots_of_its_case_and_reruns_no_simulation(project):
     export = {"cases": [1], "interval_s": 0.5}
     overlays = project.overlay({"simulation": {"export": export}})
-    assert project.run("exports", overlays=overlays) == {"export": 1, "exports": 1}
+    assert project.run("snapshots", overlays=overlays) == {
+        "snapshots_of_case": 1, "snapshots": 1,
+    }  # fmt: skip
     folder = project.results / "export" / "case-1"
     particles = read_table(folder / "particles.parquet")
     assert particles["time"].nunique() > 2 and particles["y"].notna().all()
@@ -428,7 +497,7 @@ def test_an_external_table_is_learned_from_and_nothing_is_simulated(project):
     overlays = external_overlay(project, external="t.csv", columns={"plate_angle": "slope"})
     pending = project.pending(overlays=overlays)
     assert pending == {
-        "dataset": 1, "provenance": 1, "all": 1, "rule_graph": 1, "figure_flow": 1, **LEARNING,
+        "dataset": 1, "provenance": 1, "all": 1, "rule_graph": 1, **OF_CHARTS, **LEARNING,
     }  # fmt: skip
     assert project.run("dataset", overlays=overlays) == {"dataset": 1}
     found = read_table(project.root / "results" / "elsewhere" / "dataset.parquet")
@@ -458,9 +527,9 @@ def test_a_bad_external_table_is_one_line_for_each_problem(project):
 
 
 def test_more_blocks_run_only_their_own_cases(project):
-    assert project.pending(overlays=("studies/smoke_grown.yaml",)) == {
+    assert project.pending(overlays=GROWN) == {
         "sample": 2, "simulate": 4, "wear_rates": 4, "join_cases": 1, "provenance": 1,
-        "figure_gallery": 1, "figure_flow": 1, **AFTER_WEAR_RATES,
+        "figure_gallery": 1, "figure_generation": 1, **AFTER_WEAR_RATES,
     }  # fmt: skip
 
 
@@ -468,7 +537,7 @@ def test_fewer_blocks_run_only_the_joins(project):
     overlays = project.overlay({"sampling": {"blocks": 1}, "figures": {"series_cases": [0, 1]}})
     pending = project.pending(overlays=overlays)
     assert pending == {
-        "join_cases": 1, "provenance": 1, **OF_SIMULATIONS, "figure_flow": 1,
+        "join_cases": 1, "provenance": 1, **OF_SIMULATIONS, "figure_generation": 1,
         **AFTER_WEAR_RATES,
     }  # fmt: skip
 
@@ -482,7 +551,7 @@ def test_growing_shrinking_and_another_study_leave_finished_simulations_alone(pr
                 for path in tables}  # fmt: skip
 
     before = finished()
-    grown = ("studies/smoke_grown.yaml",)
+    grown = GROWN
     assert project.run("simulation", overlays=grown) == {
         "sample": 2, "simulate": 4, "provenance": 1, "simulation": 1,
     }  # fmt: skip

@@ -9,9 +9,9 @@ The module is light (pydantic and PyYAML), as the Snakefile imports it on every 
 """
 
 from abradem.config.declaration import Config
-from abradem.config.documentation import documentation, schema
 from abradem.config.keys import COMMAND_LINE
 from abradem.config.reading import ConfigError, load_config, read_config, refuse_all_but_data
+from abradem.config.reference import documentation, schema
 from abradem.config.values import sampled_ranges, setup_dict, to_yaml, typical_case
 
 __all__ = [

@@ -2,6 +2,6 @@
 
 import sys
 
-from abradem.config.documentation import main
+from abradem.config.reference import main
 
 sys.exit(main(sys.argv[1:]))

@@ -155,7 +155,7 @@ class Sampling(Section):
     )
 
 
-class Plate(Section):
+class PlateKeys(Section):
     """The plate that wears: flat, tilted by the plate angle about its centre."""
 
     length_mm: float = _key(300.0, "Extent along the slope.", unit="mm", gt=0.0, le=100_000.0)
@@ -307,7 +307,7 @@ class Simulation(Section):
         ge=0.001,
         le=0.4,
     )
-    plate: Plate = Field(default_factory=Plate, description="The plate that wears.")
+    plate: PlateKeys = Field(default_factory=PlateKeys, description="The plate that wears.")
     factory: Factory = Field(
         default_factory=Factory, description="Where the particles start and how many."
     )

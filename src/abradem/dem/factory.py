@@ -21,7 +21,7 @@ TRIES = 100
 
 
 @kernel
-def due_step(problem, k):
+def release_step(problem, k):
     """Lattice step at which particle k of the factory is due."""
     step = (k + 0.5) / (problem.rate * problem.dt)
     # No simulation gets so far; and what does not fit an integer would be due at once.
@@ -89,7 +89,7 @@ def _release_from_patch(problem, state):
             near[near_count] = j
             near_count += 1
 
-    while due_step(problem, tally.placed) <= tally.step:
+    while release_step(problem, tally.placed) <= tally.step:
         if tally.live == particles.size:
             return NEEDS_ROOM
         placed = False
@@ -111,7 +111,7 @@ def _release_from_patch(problem, state):
         if not placed:
             tally.next_release = tally.step + problem.retry_steps
             return DONE
-    tally.next_release = due_step(problem, tally.placed)
+    tally.next_release = release_step(problem, tally.placed)
     return DONE
 
 

@@ -256,7 +256,7 @@ def _room(problem: Problem, setup: Setup) -> float:
     return math.prod(sides) / sphere_volume(problem.radius)
 
 
-class Steady:
+class SteadyPart:
     """The steady part of a record: where it begins and how well the rate is known."""
 
     def __init__(self, time, total, present, window_maps: int, map_interval: float):
@@ -277,9 +277,9 @@ class Steady:
         return self.last_map < maps
 
 
-def _steady(record: Record, time, window_maps: int, map_interval: float) -> Steady:
+def _steady(record: Record, time, window_maps: int, map_interval: float) -> SteadyPart:
     past = slice(time.size)
-    return Steady(time, record.worn[past, 0], record.present[past], window_maps, map_interval)
+    return SteadyPart(time, record.worn[past, 0], record.present[past], window_maps, map_interval)
 
 
 def _result(

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from abradem.figures import style
-from abradem.words.labels import LABELS, WEAR_WORDS
+from abradem.words.labels import LABELS, PROTOCOLS, WEAR_WORDS
 
 LOG_SPAN = 30.0
 """Largest over smallest value from which axes are logarithmic."""
@@ -104,7 +104,7 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
         splits = model["splits"]
         style.caption(
             figure,
-            f"{_target_words(model)}; {model['model']} model, {model['protocol']} protocol, "
+            f"{_target_words(model)}; {model['model']} model, {PROTOCOLS[model['protocol']]} protocol, "
             f"{splits['rows']} cases; held-out cases of {splits['repeats']} random splits "
             f"({splits['train']} train, {splits['test']} test), each split its own fit",
         )
@@ -151,9 +151,7 @@ def _coefficient_limit(coefficients: pd.DataFrame) -> float:
 def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) -> list[str]:
     share = 100.0 * model["confidence"]
     rows = model["splits"]["rows"]
-    first = (
-        f"{_target_words(model)}; protocol: {model['protocol']}; least squares on all {rows} cases"
-    )
+    first = f"{_target_words(model)}; protocol: {PROTOCOLS[model['protocol']]}; least squares on all {rows} cases"
     ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
     if not np.isfinite(ends).any():
         return [

@@ -78,7 +78,7 @@ class Camera:
 
 
 @dataclass(frozen=True)
-class Plate:
+class DrawnPlate:
     """The plate as drawn.
 
     Parameters
@@ -139,7 +139,7 @@ class Patch:
 
 def picture(
     camera: Camera,
-    plate: Plate,
+    plate: DrawnPlate,
     centres: np.ndarray,
     radius: float,
     patch: Patch | None = None,
@@ -151,7 +151,7 @@ def picture(
     Parameters
     ----------
     camera : Camera
-    plate : Plate
+    plate : DrawnPlate
     centres : ndarray, shape (n, 3)
         m.
     radius : float

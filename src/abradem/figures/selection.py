@@ -63,6 +63,4 @@ def _survival(panel, leakage_free) -> None:
     panel.set_xlim(0.0, 1.12)
     style.feature_rows(panel, leakage_free["feature"])
     panel.set_xlabel("Share of splits that choose it")
-    panel.set_title(
-        f"{style.letter(2)} leakage-free; dot: in the paper's list", loc="left", fontsize=7.0
-    )
+    panel.set_title(f"{style.letter(2)} leakage-free; dot: paper's list", loc="left", fontsize=7.0)

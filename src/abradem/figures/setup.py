@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from abradem.dem.model import Setup
 from abradem.figures import style
-from abradem.figures.render import Camera, Patch, Plate, picture, tilted
+from abradem.figures.render import Camera, DrawnPlate, Patch, picture, tilted
 from abradem.wear.depths import depth_frames
 from abradem.words.labels import LABELS
 
@@ -114,10 +114,12 @@ def setup_figure(
     return figure
 
 
-def worn_plate(depth: np.ndarray, top: float, case: Mapping[str, float], setup: Setup) -> Plate:
+def worn_plate(
+    depth: np.ndarray, top: float, case: Mapping[str, float], setup: Setup
+) -> DrawnPlate:
     """The plate coloured by its wear, yellow to red up to ``top`` (mm)."""
     colours = mpl.colormaps[style.WEAR_MAP](np.clip(depth / top, 0.0, 1.0))[..., :3]
-    return Plate(setup.plate_length, setup.plate_width, case["plate_angle"], colours)
+    return DrawnPlate(setup.plate_length, setup.plate_width, case["plate_angle"], colours)
 
 
 def factory_patch(case: Mapping[str, float], setup: Setup) -> Patch:
@@ -145,7 +147,7 @@ def wear_map_panel(panel: Axes, depth: np.ndarray, top: float, setup: Setup):
     return mesh
 
 
-def _camera(plate: Plate, patch: Patch, scene: Axes) -> Camera:
+def _camera(plate: DrawnPlate, patch: Patch, scene: Axes) -> Camera:
     """An eye that sees the whole plate and the patch, and pixels enough for print."""
     box = scene.get_window_extent()
     scale = style.DPI / scene.figure.dpi

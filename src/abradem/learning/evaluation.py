@@ -1,7 +1,7 @@
 """Fit a model on the training rows of each split and score it on the rows held out.
 
 A model is a function ``fit(features, target) -> predict`` with ``predict(features)``, arrays in
-and arrays out. `scaled` wraps one that wants standardised variables.
+and arrays out. `with_scalers` wraps one that wants standardised variables.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class Results:
         return pd.concat(self._predictions, ignore_index=True)[PREDICTION_COLUMNS]
 
 
-def scaled(fit: Fit, scalers: tuple[Scaler, Scaler] | None = None) -> Fit:
+def with_scalers(fit: Fit, scalers: tuple[Scaler, Scaler] | None = None) -> Fit:
     """A model in standardised variables, for raw ones.
 
     Parameters

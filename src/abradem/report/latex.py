@@ -82,7 +82,7 @@ class Number(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Results:
+class CitedResults:
     """The files of a study that numbers are read from.
 
     Parameters
@@ -95,7 +95,7 @@ class Results:
 
     def value(self, file: str, place: str):
         """The value at a place; raises `PlaceError` if there is none, or more than one."""
-        return lookup(self.files[file], place, file)
+        return cited_value(self.files[file], place, file)
 
     def number(self, file: str, place: str, form: str = "3s", percent: bool = False) -> Number:
         """The number at a place as printed, see `printed`."""
@@ -104,7 +104,7 @@ class Results:
         return Number(printed(shown, form), file, place, percent)
 
 
-def lookup(data, place: str, file: str = "results"):
+def cited_value(data, place: str, file: str = "results"):
     """The value at a place, see the module.
 
     Parameters
@@ -272,12 +272,12 @@ CHECKS = "../verification/checks.parquet"
 _PROTOCOLS = {"as_published": "Published", "leakage_free": ""}
 
 
-def study_numbers(results: Results) -> dict[str, Number]:
+def study_numbers(results: CitedResults) -> dict[str, Number]:
     """Macros of everything that a text on a study would cite, as far as the files hold it.
 
     Parameters
     ----------
-    results : Results
+    results : CitedResults
         ``CONFIG``, ``DATASET``, ``SUMMARY``, ``COMPARISON``, ``BESIDE``, ``SCORES`` and
         ``NETWORKS``; ``CHECKS`` where there was a verification.
     """
@@ -307,7 +307,7 @@ def study_numbers(results: Results) -> dict[str, Number]:
     return found | _of_models(results) | _of_networks(results) | _of_verification(results)
 
 
-def _of_configuration(results: Results) -> dict[str, Number]:
+def _of_configuration(results: CitedResults) -> dict[str, Number]:
     plain = {
         "NumberOfBlocks": "sampling.blocks",
         "PlateLengthMm": "simulation.plate.length_mm",
@@ -330,7 +330,7 @@ def _of_configuration(results: Results) -> dict[str, Number]:
     return found
 
 
-def _of_models(results: Results) -> dict[str, Number]:
+def _of_models(results: CitedResults) -> dict[str, Number]:
     comparison = results.files[COMPARISON]
     found = {}
     for row in comparison.itertuples(index=False):
@@ -354,7 +354,7 @@ def _of_models(results: Results) -> dict[str, Number]:
     return found
 
 
-def _of_networks(results: Results) -> dict[str, Number]:
+def _of_networks(results: CitedResults) -> dict[str, Number]:
     found = {}
     for protocol, file in NETWORKS.items():
         stem = _PROTOCOLS[protocol]
@@ -366,7 +366,7 @@ def _of_networks(results: Results) -> dict[str, Number]:
     return found
 
 
-def _of_verification(results: Results) -> dict[str, Number]:
+def _of_verification(results: CitedResults) -> dict[str, Number]:
     if CHECKS not in results.files:
         return {}
     return {
@@ -375,7 +375,7 @@ def _of_verification(results: Results) -> dict[str, Number]:
     }
 
 
-def quantities_tex(results: Results, study: str) -> str:
+def quantities_tex(results: CitedResults, study: str) -> str:
     """Quantities: symbol, meaning, unit, and the sampled range or the formula."""
     form = results.value(CONFIG, "features.damping_coefficient")
     rows = []
@@ -396,7 +396,7 @@ def quantities_tex(results: Results, study: str) -> str:
     return table_tex("llllrrl", head, rows, study)
 
 
-def features_tex(results: Results, study: str) -> str:
+def features_tex(results: CitedResults, study: str) -> str:
     """Features: the span that the data set covers, and which ones the networks get."""
     selection = results.files[SELECTION]
     rows = []
@@ -432,7 +432,7 @@ def _mark(chosen: bool) -> str:
     return r"$\bullet$" if chosen else ""
 
 
-def models_tex(results: Results, names: Mapping[str, str], study: str) -> str:
+def models_tex(results: CitedResults, names: Mapping[str, str], study: str) -> str:
     """R2 of all models: printed, by the steps as published, and leakage-free with its interval."""
     rows = []
     for row in results.files[BESIDE].itertuples(index=False):
@@ -447,7 +447,7 @@ def models_tex(results: Results, names: Mapping[str, str], study: str) -> str:
     return table_tex("lrrrrrl", head, rows, study)
 
 
-def verification_tex(results: Results, parts: Mapping[int, str], study: str) -> str:
+def verification_tex(results: CitedResults, parts: Mapping[int, str], study: str) -> str:
     """Checks of the verification study and how many hold, by part; without one, only the head."""
     rows = []
     if CHECKS in results.files:

@@ -123,7 +123,7 @@ def constants_of(code: str, restitution: float) -> dict[str, float]:
     return {"kn": stiffness, "kt": stiffness, "cn": damping, "ct": damping * corrected}
 
 
-def compare(reference: pd.DataFrame) -> pd.DataFrame:
+def compare_impacts(reference: pd.DataFrame) -> pd.DataFrame:
     """Every impact of another code beside ours, one row per quantity.
 
     Parameters
@@ -364,7 +364,7 @@ def study(
     impacts, jets, forces : pandas.DataFrame
         Of the other codes.
     """
-    singles, poured, tracks = compare(impacts), compare_jets(jets), compare_forces(forces)
+    singles, poured, tracks = compare_impacts(impacts), compare_jets(jets), compare_forces(forces)
     found = checks(singles) + force_checks(tracks) + jet_checks(poured)
     return {
         "checks": checks_table(PART, found), "impacts": singles, "jets": poured, "forces": tracks,

@@ -16,7 +16,7 @@ import pandas as pd
 
 from abradem.dem.model import Interaction
 from abradem.verification.checks import Check, checks_table
-from abradem.verification.jets import rate_of, run
+from abradem.verification.jets import rate_of, run_jet
 from abradem.verification.scenes import Scene, solid
 
 PART = 7
@@ -58,7 +58,7 @@ def jets() -> pd.DataFrame:
             pair_interaction=PARTICLES, mass_rate=mass_rate, fall_height=0.15, duration=2.0,
             sample_interval=0.02,
         )  # fmt: skip
-        result = run(CONVEYOR.case(plate_angle=angle, particle_velocity_y=-0.5, seed=1), setup)
+        result = run_jet(CONVEYOR.case(plate_angle=angle, particle_velocity_y=-0.5, seed=1), setup)
         rate = rate_of(result)
         depth = ARCHARD_CONSTANT * _MM / setup.plate_area
         rows.append(

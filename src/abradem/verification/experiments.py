@@ -72,7 +72,7 @@ def _settled(scene: Scene, gravity: float) -> float:
     return 30.0 * math.sqrt(sag / gravity)
 
 
-def slide_to_roll(scene: Scene, speed: float, gravity: float = 9.81) -> Roll:
+def simulated_slide_to_roll(scene: Scene, speed: float, gravity: float = 9.81) -> Roll:
     """Set a sphere without spin on a level plane and let friction make it roll.
 
     Returns

@@ -9,7 +9,7 @@ import pandas as pd
 
 from abradem.dem.model import Interaction
 from abradem.verification.checks import Check, checks_table
-from abradem.verification.jets import JET, jet_case, run
+from abradem.verification.jets import JET, jet_case, run_jet
 from abradem.verification.scenes import Film, Scene, solid
 
 FACETS, BED = 9, 10
@@ -40,7 +40,7 @@ def facet_checks() -> tuple[list[Check], pd.DataFrame]:
     rows, maps = [], {}
     for size in _SIZES:
         setup = JET.setup(facet_size=size, duration=3.0, sample_interval=0.5)
-        result = run(jet_case(seed=3), setup)
+        result = run_jet(jet_case(seed=3), setup)
         maps[size] = result.facet_wear_all
         rows.append(
             {"facets": result.facet_wear_all.shape[1], "work": result.worn[-1, 0],
@@ -100,7 +100,7 @@ def pour() -> tuple[object, _Ledger]:
             )  # fmt: skip
     duration = _LAYERS * _LAYER_TIME + 1.5
     ledger = _Ledger(0.02)
-    result = run(
+    result = run_jet(
         HEAP.case(),
         HEAP.setup(duration=duration, sample_interval=0.1),
         releases=(times, places, np.tile([0.0, -POURED, 0.0], (len(times), 1))),

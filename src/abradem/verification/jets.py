@@ -34,7 +34,7 @@ def jet_case(**changes) -> Case:
     return JET.case(**(values | changes))
 
 
-def run(case: Case, setup: Setup, **options) -> SimulationResult:
+def run_jet(case: Case, setup: Setup, **options) -> SimulationResult:
     """Simulate; a case that ends early is an error, for its rate would mean nothing."""
     from abradem.dem import simulate
 

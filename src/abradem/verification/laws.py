@@ -17,7 +17,7 @@ from abradem.verification.experiments import (
     head_on,
     hertz_pair,
     incline,
-    slide_to_roll,
+    simulated_slide_to_roll,
 )
 from abradem.verification.scenes import NOMINAL_SPEED, Scene, filmed, solid
 
@@ -174,7 +174,7 @@ def similarity_checks() -> list[Check]:
 def plane_checks() -> list[Check]:
     """Sliding into rolling, and the incline."""
     form = exact.slide_to_roll(SOFT.mass, 1.0, 0.3, GRAVITY)
-    found = slide_to_roll(SOFT, 1.0)
+    found = simulated_slide_to_roll(SOFT, 1.0)
     checks = [
         Check(
             "slide to roll: final velocity 5/7 u0", found.velocity, form.velocity, ROUNDING, "m/s"

@@ -69,22 +69,25 @@ def verdict_counts(checks: pd.DataFrame) -> dict:
 
 def _line(row: dict) -> str:
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
-    reference = f"{number(row['reference'])}{unit}"
+    reference = f"{plain_number(row['reference'])}{unit}"
     if row["kind"] == "relative":
-        difference, tolerance = (f"{number(100.0 * row[k], 2)} %" for k in
+        difference, tolerance = (f"{plain_number(100.0 * row[k], 2)} %" for k in
                                  ("difference", "tolerance"))  # fmt: skip
     elif row["kind"] == "absolute":
-        difference, tolerance = number(row["difference"], 2), number(row["tolerance"], 2)
+        difference, tolerance = (
+            plain_number(row["difference"], 2),
+            plain_number(row["tolerance"], 2),
+        )
     else:
         reference, difference, tolerance = f"{row['kind']} {reference}", "", ""
     cells = [
-        row["law"], f"{number(row['ours'])}{unit}", reference, difference, tolerance,
+        row["law"], f"{plain_number(row['ours'])}{unit}", reference, difference, tolerance,
         row["verdict"],
     ]  # fmt: skip
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
-def number(value: float, digits: int = 4) -> str:
+def plain_number(value: float, digits: int = 4) -> str:
     """A number as printed in the page."""
     return f"{value:.{digits}g}"
 

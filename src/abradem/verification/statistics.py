@@ -12,7 +12,7 @@ import pandas as pd
 from scipy import stats
 
 from abradem.verification.checks import Check, checks_table
-from abradem.verification.jets import JET, jet_case, rate_of, run, spread
+from abradem.verification.jets import JET, jet_case, rate_of, run_jet, spread
 from abradem.wear.rates import facet_rates
 
 PART = 5
@@ -31,7 +31,9 @@ def fixed_runs(replicates: int = REPLICATES, case: dict = _CASE, first: int = 0)
     """Rate and standard error of runs of one length whose seeds count from ``first``."""
     rows = []
     for seed in range(first, first + replicates):
-        result = run(jet_case(seed=seed, **case), JET.setup(duration=_FIXED, sample_interval=0.05))
+        result = run_jet(
+            jet_case(seed=seed, **case), JET.setup(duration=_FIXED, sample_interval=0.05)
+        )
         rate = rate_of(result)
         rows.append({"replicate": seed, "rate": rate.value, "rate_stderr": rate.stderr})
     return pd.DataFrame(rows)
@@ -61,7 +63,7 @@ def stopped_runs(replicates: int = REPLICATES) -> pd.DataFrame:
     rows = []
     for seed in range(replicates):
         setup = JET.setup(window=3.0, max_time=20.0, target_stderr=0.03, sample_interval=0.05)
-        result = run(jet_case(seed=seed, **_CASE), setup)
+        result = run_jet(jet_case(seed=seed, **_CASE), setup)
         rate = rate_of(result, start=result.steady_from)
         rows.append(
             {"replicate": seed, "rate": rate.value, "rate_stderr": rate.stderr,

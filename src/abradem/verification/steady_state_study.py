@@ -16,7 +16,7 @@ import pandas as pd
 from scipy import stats
 
 from abradem.verification.checks import Check, checks_table
-from abradem.verification.jets import JET, jet_case, rate_of, run
+from abradem.verification.jets import JET, jet_case, rate_of, run_jet
 from abradem.wear.rates import straightness
 
 PART = 6
@@ -46,7 +46,7 @@ def runs() -> tuple[pd.DataFrame, pd.DataFrame]:
     for scene, plate, factory in cases():
         if (plate, factory) not in known:
             case = jet_case(plate_angle=plate, factory_angle=factory, particle_velocity_y=0.0)
-            known[plate, factory] = run(case, setup)
+            known[plate, factory] = run_jet(case, setup)
         result = known[plate, factory]
         rate = rate_of(result)
         steady = result.time >= rate.start

@@ -15,7 +15,7 @@ import pandas as pd
 from abradem.dem.model import Setup
 from abradem.quantities import WEAR_MEASURES
 from abradem.verification.checks import Check, checks_table
-from abradem.verification.jets import JET, jet_case, run, spread
+from abradem.verification.jets import JET, jet_case, run_jet, spread
 from abradem.verification.laws import WEAR_MEASURES as ATTRIBUTES
 from abradem.verification.scenes import NOMINAL_SPEED, Scene
 
@@ -113,7 +113,7 @@ def jets(replicates: int = 16, duration: float = 40.0) -> pd.DataFrame:
 
 def _worn_at(time: float, case, setup) -> np.ndarray:
     """Cumulative wear by wear measure at a time, whatever the whole steps of the samples are."""
-    result = run(case, setup)
+    result = run_jet(case, setup)
     return np.array([np.interp(time, result.time, column) for column in result.worn.T])
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.verification.checks import Check, checks_table
-from abradem.verification.jets import JET, run, spread
+from abradem.verification.jets import JET, run_jet, spread
 from abradem.verification.scenes import solid
 from abradem.verification.time_step import LARGEST_BIAS
 
@@ -78,21 +78,26 @@ def measurements() -> pd.DataFrame:
     for seed in range(REPLICATES):
         for factor in _FACTORS:
             speed = 2.0 * factor
-            still = run(_case(JET, seed, particle_velocity_y=-speed), _setup(gravity=1e-9))
+            still = run_jet(_case(JET, seed, particle_velocity_y=-speed), _setup(gravity=1e-9))
             rows.append(("speed, gravity off", factor, seed, _per_mass(still)))
-            fallen = run(_case(JET, seed, particle_velocity_y=-speed), _setup())
+            fallen = run_jet(_case(JET, seed, particle_velocity_y=-speed), _setup())
             effective = math.sqrt(speed**2 + 2.0 * _GRAVITY * _HEIGHT)
             rows.append(("speed with v^2 + 2 g H", effective, seed, _per_mass(fallen)))
             scene = _denser(factor)
             rows.append(
-                ("mass, fixed number rate", factor, seed, _rate(run(_case(scene, seed), _setup())))
+                (
+                    "mass, fixed number rate",
+                    factor,
+                    seed,
+                    _rate(run_jet(_case(scene, seed), _setup())),
+                )
             )
             setup = _setup(mass_rate=mass_rate, number_rate=None)
             rows.append(
-                ("mass, fixed mass rate", factor, seed, _rate(run(_case(scene, seed), setup)))
+                ("mass, fixed mass rate", factor, seed, _rate(run_jet(_case(scene, seed), setup)))
             )
             scene = _stiffer(factor)
-            rows.append(("all moduli", factor, seed, _rate(run(_case(scene, seed), _setup()))))
+            rows.append(("all moduli", factor, seed, _rate(run_jet(_case(scene, seed), _setup()))))
     return pd.DataFrame(rows, columns=["quantity", "factor", "replicate", "value"])
 
 

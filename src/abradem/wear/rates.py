@@ -32,7 +32,7 @@ OVERLAP_SHARE = 0.05
 """Largest overlap above this share of the radius is flagged: the contact law is then strained."""
 
 
-class Steady(NamedTuple):
+class SteadyRate(NamedTuple):
     """Steady part of one cumulative series; rates in J/s, ``r2`` of its straight line."""
 
     rate: float
@@ -42,7 +42,7 @@ class Steady(NamedTuple):
     r2: float
 
 
-def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int = 20) -> Steady:
+def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int = 20) -> SteadyRate:
     """Rate of a cumulative series from ``start`` on, with its standard error.
 
     Parameters
@@ -56,16 +56,16 @@ def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int =
 
     Returns
     -------
-    Steady
+    SteadyRate
         The rate is the mean of the batches' increments per time, the standard error that of
         `abradem.dem.steady.batch_means`. ``r2`` only describes the series: a cumulative
         series has R2 near 1 whatever happens. All nan if there is no steady part.
     """
     if not np.isfinite(start) or len(time) < 2:
-        return Steady(np.nan, np.nan, np.nan, 0, np.nan)
+        return SteadyRate(np.nan, np.nan, np.nan, 0, np.nan)
     means: BatchMeans = batch_means(time, worn, start, batches)
     tail = time >= start
-    return Steady(*means, straightness(time[tail], worn[tail]))
+    return SteadyRate(*means, straightness(time[tail], worn[tail]))
 
 
 def straightness(time: np.ndarray, worn: np.ndarray) -> float:

@@ -8,6 +8,7 @@ import pytest
 
 from abradem.dataset.features import derive
 from abradem.learning.baselines import linear
+from abradem.learning.model_files import write_stage
 from abradem.learning.protocols import published_split
 from abradem.learning.published import EQUATION
 from abradem.learning.rows import standard_scaler
@@ -39,7 +40,7 @@ def with_target(table, noise=0.0, seed=1):
 
 def leakage_free(result):
     """Held-out predictions of the leakage-free protocol."""
-    return result.predictions.query("protocol == 'leakage-free'")
+    return result.predictions.query("protocol == 'leakage_free'")
 
 
 PLANTED = {"archard_constant": 0.5, "plate_angle": 0.3, "particle_velocity_y": -0.6}
@@ -54,7 +55,7 @@ def test_planted_coefficients_are_recovered_without_noise():
         assert rows.loc[name, "coefficient"] == pytest.approx(
             PLANTED.get(name, 0.0) / scale, abs=1e-9
         )
-    test = result.scores.query("split == 'test' and metric == 'R2' and protocol == 'leakage-free'")[
+    test = result.scores.query("split == 'test' and metric == 'R2' and protocol == 'leakage_free'")[
         "value"
     ]
     assert len(test) == 5 and (test > 1.0 - 1e-9).all()
@@ -84,7 +85,7 @@ def test_intervals_hold_when_scatter_grows_with_a_feature():
         error = fit.standard_error[0] * fit.of_target.scale / fit.of_features.scale[0]
         hits += abs(slope - 1.0) <= 1.99 * error
         centred = x - x.mean(axis=0)
-        residual = y - linear.predict(fit, x)
+        residual = y - linear.predict_linear(fit, x)
         textbook = np.sqrt(residual @ residual / 77 * np.linalg.inv(centred.T @ centred)[0, 0])
         naive += abs(slope - 1.0) <= 1.99 * textbook
     assert hits / 300 > 0.89
@@ -98,7 +99,7 @@ def test_the_fit_equals_ordinary_least_squares():
     z = (x - x.mean(axis=0)) / x.std(axis=0)
     design = np.column_stack([np.ones(60), z])
     expected = design @ np.linalg.lstsq(design, y, rcond=None)[0]
-    np.testing.assert_allclose(linear.predict(fit, x), expected, rtol=1e-9)
+    np.testing.assert_allclose(linear.predict_linear(fit, x), expected, rtol=1e-9)
     assert fit.rank == 20 and fit.condition_number > 20
 
 
@@ -173,12 +174,13 @@ TABLES = ("coefficients", "residuals", "published", "scores", "predictions")
 
 def test_artefacts_are_plain_complete_and_the_same_every_time(tmp_path):
     for folder in ("a", "b"):
-        result = linear.fit_linear(with_target(sampled(12), 0.2), repeats=3)
+        table = with_target(sampled(12), 0.2)
         names = {
             "summary": "linear.json", "summary_arrays": "linear.safetensors",
             **{name: f"{name}.parquet" for name in TABLES},
         }  # fmt: skip
-        linear.write_linear(result, {key: tmp_path / folder / names[key] for key in names})
+        paths = {key: tmp_path / folder / names[key] for key in names}
+        write_stage(paths, **linear.train(table, "wear_total_mean", "dataset", repeats=3))
     for name in names.values():
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     model = read_json(tmp_path / "a" / "linear.json")
@@ -199,7 +201,9 @@ def test_the_stored_model_predicts_as_the_fit_does():
     )
     fit = linear.least_squares(x, table[TARGET.name].to_numpy())
     np.testing.assert_allclose(
-        model["target"]["mean"] + model["target"]["scale"] * z, linear.predict(fit, x), rtol=1e-10
+        model["target"]["mean"] + model["target"]["scale"] * z,
+        linear.predict_linear(fit, x),
+        rtol=1e-10,
     )
 
 

@@ -16,7 +16,7 @@ from tables import linear_law, no_law
 
 from abradem.learning.baselines import genetic
 from abradem.learning.baselines.ga_ann import fit_networks, settings
-from abradem.learning.baselines.genetic import Chromosome, Memory, Options, Problem, search
+from abradem.learning.baselines.genetic import Chromosome, Memory, Options, SearchProblem, search
 from abradem.learning.model_files import Model
 from abradem.learning.network import Training, network_of, parameters_of, start, train
 from abradem.learning.rows import learning_table
@@ -30,7 +30,7 @@ def problem(n=90, seed=0):
     x = rng.standard_normal((n, 5))
     y = x[:, 0] * x[:, 1] + x[:, 2]
     cut = 2 * n // 3
-    return Problem(x[:cut], y[:cut], x[cut:], y[cut:])
+    return SearchProblem(x[:cut], y[:cut], x[cut:], y[cut:])
 
 
 def plain(net, seed, x, y, training):
@@ -200,7 +200,7 @@ def test_the_threads_of_linear_algebra_change_nothing():
 
     rng = np.random.default_rng(0)
     x = rng.standard_normal((200, 12))
-    large = Problem(x, x[:, 0], x, x[:, 0])
+    large = SearchProblem(x, x[:, 0], x, x[:, 0])
     options = Options(population=2, generations=1, min_layers=3, max_layers=3, min_neurons=400)
     found = []
     for threads in (1, 2):
@@ -221,13 +221,13 @@ def test_a_worker_that_is_killed_ends_the_search_instead_of_stopping_it(monkeypa
 def test_workers_end_with_the_process_that_they_work_for():
     code = """
 import os, numpy as np
-from abradem.learning import genetic
+from abradem.learning.baselines import genetic
 def told(*_):
     os.write(1, b'%d\\n' % os.getpid())  # in one piece, as both workers write
     __import__("time").sleep(60)
 genetic.start = told
 x = np.zeros((9, 2))
-genetic.search(genetic.Problem(x, x[:, 0], x, x[:, 0]), cores=2)
+genetic.search(genetic.SearchProblem(x, x[:, 0], x, x[:, 0]), cores=2)
 """
     parent = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
     worker = int(parent.stdout.readline())

@@ -123,7 +123,7 @@ def test_all_components_together_are_least_squares(table):
     fit = linear.least_squares(table.features, table.target)
     np.testing.assert_allclose(
         regress(table.features, table.target, 20)(table.features),
-        linear.predict(fit, table.features),
+        linear.predict_linear(fit, table.features),
         rtol=1e-6,
     )
 
@@ -176,7 +176,7 @@ def test_the_unscaled_tree_never_splits_on_the_wear_constant(trees):
 
 
 def test_deep_trees_fit_their_training_rows_alone(trees):
-    deepest = trees.curve.query("depth == 49 and protocol == 'leakage-free'").set_index("split")[
+    deepest = trees.curve.query("depth == 49 and protocol == 'leakage_free'").set_index("split")[
         "r2"
     ]
     assert deepest["train"] > 0.999 and deepest["test"] < 0.9

@@ -17,6 +17,7 @@ from abradem.learning.physical.models import (
     all_targets,
     evaluate,
     fit_physical,
+    fitted,
     makers,
 )
 from abradem.learning.physical.problem import problem
@@ -32,6 +33,7 @@ from abradem.learning.protocols import folds, repeated_splits
 from abradem.learning.scores import r2
 from abradem.report.findings import findings, to_html
 from abradem.surrogate.groups import Jet
+from abradem.wear.replicates import choose_cases, replicate
 
 JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
 QUICK = {"boosting": {"trees": 60, "depth": 3}, "networks": {"members": 2, "steps": 600}}
@@ -160,13 +162,13 @@ def test_replicates_are_of_cases_with_large_particles_and_differ_by_seed_alone()
     ranges = {**sampled_ranges(config), "particle_radius": (0.03, 0.04)}
     cases = block_cases(1, 0, 10, "lhs", ranges)
     cases.loc[0, "rejected"] = "no"
-    chosen = noise.choose_cases(cases, 2)
+    chosen = choose_cases(cases, 2)
     assert len(chosen) == 2 and 0 not in set(chosen["case_id"])
     assert chosen["particle_radius"].min() >= cases["particle_radius"].iloc[1:].median()
     setup = {**setup_dict(config), "window": 1.0, "max_time": 2.0, "facet_size": 0.03}
-    found = noise.replicate(chosen.iloc[:1], 2, setup)
+    found = replicate(chosen.iloc[:1], 2, setup)
     assert found["seed"].nunique() == 2 and found["wear_total_mean"].nunique() == 2
-    again = noise.replicate(chosen.iloc[:1], 2, setup)
+    again = replicate(chosen.iloc[:1], 2, setup)
     pd.testing.assert_frame_equal(found, again)
 
 
@@ -185,9 +187,10 @@ def test_the_quantities_of_a_planted_law_are_found(given, process):
     assert (wear["total"] >= wear["first"] - 0.05).all()
     # In the logarithm the law is a sum: what each explains alone adds up to all.
     assert indices.query("explained == 'log wear'")["first"].sum() == pytest.approx(1.0, abs=0.06)
-    words = verdict(indices, falls)
-    assert planted <= set(words["dominant"]) and "Archard wear constant" in words["paragraph"]
-    assert words["agrees"] == (set(words["dominant"]) == set(PAPER))
+    found = verdict(indices)
+    assert planted <= set(found["dominant"])
+    assert found["agrees"] == (set(found["dominant"]) == set(PAPER))
+    assert set(found["shared"]) == set(found["dominant"]) & set(PAPER)
 
 
 def test_sobol_intervals_follow_from_the_seed_alone(given, process):
@@ -252,10 +255,13 @@ def test_the_findings_repeat_the_numbers(given):
     speed = {"simulated_seconds": {"mean": 2.0, "median": 0.1}, "cases": [1], "radii": [0.02],
              "batch": 10, "predicted_seconds": 1e-4, "predictions_per_second": 1e6, "speed_up": 2e4,
              "speed_up_of_a_batch": 2e6}  # fmt: skip
+    process = fitted(models[PROCESS], given, np.arange(len(given.log_number)))
+    indices = sobol(process, given, points=64, resamples=5, seed=1)
+    falls = permutation(given, repeats=1, seed=1)
     text = dict(
         findings(
-            summary, intervals, {"scores": summary["scores"][PROCESS]}, {"paragraph": "P."},
-            curve, extrapolate(given, models), floor, speed,
+            summary, intervals, {"scores": summary["scores"][PROCESS]}, verdict(indices),
+            curve, extrapolate(given, models), indices, falls, floor, speed,
         )
     )  # fmt: skip
     best = summary["scores"][PROCESS]["test"]["R2"]["median"]
@@ -263,6 +269,8 @@ def test_the_findings_repeat_the_numbers(given):
     assert f"stays {0.999 - best:.4f} below" in text["Comparison"]
     assert "20 thousand times faster" in text["Speed"]
     assert summary["equation"] in text["Power law"]
+    assert "Archard wear constant (" in text["Sensitivity"]
+    assert f"costs most of R2 ({falls['fall'].max():.2f})" in text["Sensitivity"]
     page = to_html("<t>", list(text.items()))
     assert "&lt;t&gt;" in page and "script" not in page
 

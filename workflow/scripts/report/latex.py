@@ -10,7 +10,7 @@ from abradem.words.labels import MODELS
 log_to(snakemake.log[0])
 
 study = snakemake.params.study
-results = latex.Results(
+results = latex.CitedResults(
     {
         latex.CONFIG: snakemake.params.config,
         **{

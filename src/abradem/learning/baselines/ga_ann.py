@@ -27,7 +27,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.learning.baselines import genetic
-from abradem.learning.baselines.genetic import Memory, Options, Problem, Search
+from abradem.learning.baselines.genetic import Memory, Options, Search, SearchProblem
 from abradem.learning.baselines.selection import select
 from abradem.learning.evaluation import Results
 from abradem.learning.model_files import about
@@ -265,9 +265,9 @@ _FITNESS = {
 }
 
 
-def _problem(table: Table, split: Split) -> Problem:
+def _problem(table: Table, split: Split) -> SearchProblem:
     of_x, of_y = split.search_scalers
-    return Problem(
+    return SearchProblem(
         *(
             part
             for rows in (split.fit, split.look)

@@ -73,7 +73,7 @@ class Options(NamedTuple):
     weights: str = "seed"
 
 
-class Problem(NamedTuple):
+class SearchProblem(NamedTuple):
     """Scaled rows to train on (x (n, f), y (n,)) and rows that the fitness is read from."""
 
     x: np.ndarray
@@ -182,7 +182,7 @@ class Memory:
 
 
 def search(
-    problem: Problem,
+    problem: SearchProblem,
     options: Options = Options(),  # noqa: B008  (immutable)
     training: Training = Training(),  # noqa: B008  (immutable)
     seed: int = 0,
@@ -195,7 +195,7 @@ def search(
 
     Parameters
     ----------
-    problem : Problem
+    problem : SearchProblem
     options : Options
     training : Training
     seed : int
@@ -273,7 +273,7 @@ def train_again(
         In the order of the seeds.
     """
     chromosomes = [Chromosome(tuple(layers), seed) for seed in seeds]
-    with _trainer(Problem(x, y, x, y), training, min(cores, len(seeds)), device) as trainer:
+    with _trainer(SearchProblem(x, y, x, y), training, min(cores, len(seeds)), device) as trainer:
         nothing = [None] * len(chromosomes)
         return [network for _, network in trainer.fitnesses(chromosomes, nothing, True)]
 
@@ -383,7 +383,7 @@ def _next(
 
 def _evaluate(
     population: list[Individual],
-    problem: Problem,
+    problem: SearchProblem,
     options: Options,
     memory: Memory,
     trainer: _Trainer,
@@ -409,7 +409,7 @@ def _evaluate(
 class _Trainer:
     """Trains chromosomes in this process."""
 
-    def __init__(self, problem: Problem, training: Training, device: str):
+    def __init__(self, problem: SearchProblem, training: Training, device: str):
         self.problem, self.training, self.device = problem, training, device
 
     def networks(self, chromosomes, heritages) -> list[Network]:
@@ -453,7 +453,7 @@ class _Trainer:
 class _Pool(_Trainer):
     """Trains chromosomes one per core, in processes that share the rows of this one."""
 
-    def __init__(self, problem: Problem, training: Training, pool: ProcessPoolExecutor):
+    def __init__(self, problem: SearchProblem, training: Training, pool: ProcessPoolExecutor):
         super().__init__(problem, training, "cpu")
         self.pool = pool
 
@@ -480,7 +480,9 @@ def _train_one(job):
 
 
 @contextlib.contextmanager
-def _trainer(problem: Problem, training: Training, cores: int, device: str) -> Iterator[_Trainer]:
+def _trainer(
+    problem: SearchProblem, training: Training, cores: int, device: str
+) -> Iterator[_Trainer]:
     import torch
 
     if device == "cuda" and not torch.cuda.is_available():
@@ -543,7 +545,7 @@ def _draw_seed(rng: np.random.Generator) -> int:
     return int(rng.integers(2**31))
 
 
-def fingerprint(problem: Problem, *settings) -> str:
+def fingerprint(problem: SearchProblem, *settings) -> str:
     """Hash of the rows and of all settings that a fitness depends on."""
     digest = hashlib.sha256(repr(settings).encode())
     for array in problem:

@@ -38,8 +38,8 @@ from abradem.learning.evaluation import (
     Results,
     evaluate_as_published,
     evaluate_leakage_free,
-    scaled,
     scalers_of_all_rows,
+    with_scalers,
 )
 from abradem.learning.model_files import about
 from abradem.learning.protocols import (
@@ -60,7 +60,7 @@ SINGULAR_CUTOFF = 1e-10
 """Singular values below this share of the largest count as zero."""
 
 
-class Fit(NamedTuple):
+class LeastSquares(NamedTuple):
     """Least squares in standardised variables; arrays run over the features.
 
     The coefficient of a constant feature is 0 and not ``identified``. ``leverage`` runs over the
@@ -113,7 +113,7 @@ class LinearResult:
     summary: dict
 
 
-def least_squares(features: np.ndarray, target: np.ndarray) -> Fit:
+def least_squares(features: np.ndarray, target: np.ndarray) -> LeastSquares:
     """Minimal-norm least squares with intercept in standardised variables, HC3 errors.
 
     Parameters
@@ -147,7 +147,7 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> Fit:
         error = np.where(identified, error, np.nan)
     else:
         error = np.full(features.shape[1], np.nan)
-    return Fit(
+    return LeastSquares(
         of_features,
         of_target,
         coefficients,
@@ -160,7 +160,7 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> Fit:
     )
 
 
-def predict(fit: Fit, features: np.ndarray) -> np.ndarray:
+def predict_linear(fit: LeastSquares, features: np.ndarray) -> np.ndarray:
     """Target of rows of features, in its own unit."""
     return fit.of_target.back(fit.of_features.forward(features) @ fit.coefficients)
 
@@ -168,7 +168,7 @@ def predict(fit: Fit, features: np.ndarray) -> np.ndarray:
 def ordinary(x: np.ndarray, y: np.ndarray) -> Predict:
     """Least squares as a model for `abradem.learning.evaluation`."""
     fit = least_squares(x, y)
-    return lambda rows: predict(fit, rows)
+    return lambda rows: predict_linear(fit, rows)
 
 
 def variance_inflation(features: np.ndarray) -> np.ndarray:
@@ -201,7 +201,7 @@ def breusch_pagan(features: np.ndarray, residuals: np.ndarray) -> dict:
     fit = least_squares(features, squared)
     if len(squared) <= fit.rank + 1 or np.ptp(squared) == 0.0:
         return {"statistic": np.nan, "degrees_of_freedom": fit.rank, "p_value": np.nan}
-    statistic = len(squared) * r2(squared, predict(fit, features))
+    statistic = len(squared) * r2(squared, predict_linear(fit, features))
     return {
         "statistic": statistic,
         "degrees_of_freedom": fit.rank,
@@ -248,10 +248,10 @@ def fit_linear(
     results = Results(rows)
     evaluate_leakage_free(results, MODEL, ordinary, test_share, repeats, seed)
     of_all = scalers_of_all_rows(rows)
-    evaluate_as_published(results, MODEL, scaled(ordinary, of_all))
+    evaluate_as_published(results, MODEL, with_scalers(ordinary, of_all))
 
     fit = least_squares(x, y)
-    fitted = predict(fit, x)
+    fitted = predict_linear(fit, x)
     everything = np.arange(len(y))
     results.add(MODEL, LEAKAGE_FREE, "fit", -1, everything, fitted, float(y.min()), keep=False)
     residuals = _residuals(rows, fit, fitted)
@@ -310,7 +310,7 @@ def _misprints(published: pd.DataFrame) -> list[str]:
     ]
 
 
-def _residuals(table: Table, fit: Fit, fitted: np.ndarray) -> pd.DataFrame:
+def _residuals(table: Table, fit: LeastSquares, fitted: np.ndarray) -> pd.DataFrame:
     residual = (table.target - fitted) / fit.of_target.scale
     studentised = np.full(len(residual), np.nan)
     if fit.degrees_of_freedom and fit.leverage.max() < 1.0 - 1e-9:
@@ -331,7 +331,7 @@ def _residuals(table: Table, fit: Fit, fitted: np.ndarray) -> pd.DataFrame:
     )
 
 
-def _coefficients(fit: Fit, confidence: float) -> pd.DataFrame:
+def _coefficients(fit: LeastSquares, confidence: float) -> pd.DataFrame:
     freedom = fit.degrees_of_freedom
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, freedom) if freedom else np.nan
     return pd.DataFrame(
@@ -358,7 +358,7 @@ def _equation(coefficients: pd.DataFrame) -> str:
 
 
 def _notes(
-    fit: Fit, fixed: np.ndarray, rows: int, train: int, test: int, scores: pd.DataFrame
+    fit: LeastSquares, fixed: np.ndarray, rows: int, train: int, test: int, scores: pd.DataFrame
 ) -> list[str]:
     """What the rows do not allow, one line each."""
     notes = []

@@ -22,8 +22,8 @@ from abradem.learning.evaluation import (
     Results,
     evaluate_as_published,
     evaluate_leakage_free,
-    scaled,
     scalers_of_all_rows,
+    with_scalers,
 )
 from abradem.learning.model_files import about
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE, folds
@@ -158,14 +158,14 @@ def fit_penalised(
     for model in MODELS:
         as_published, leakage_free, chosen = [], [], []
         fit = penalised(model, published[model], as_published)
-        evaluate_as_published(results, model, scaled(fit, of_all))
+        evaluate_as_published(results, model, with_scalers(fit, of_all))
 
         def fit_leakage_free(
             features, target, model=model, chosen=chosen, leakage_free=leakage_free
         ):
             penalty = choose_alpha(model, features, target, path_points, fold_count, seed)
             chosen.append(penalty.alpha)
-            return scaled(penalised(model, penalty.alpha, leakage_free))(features, target)
+            return with_scalers(penalised(model, penalty.alpha, leakage_free))(features, target)
 
         evaluate_leakage_free(results, model, fit_leakage_free, test_share, repeats, seed)
         rows += _weight_rows(model, AS_PUBLISHED, np.array(as_published))

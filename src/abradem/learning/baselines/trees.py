@@ -18,8 +18,8 @@ from abradem.learning.evaluation import (
     Results,
     evaluate_as_published,
     evaluate_leakage_free,
-    scaled,
     scalers_of_all_rows,
+    with_scalers,
 )
 from abradem.learning.model_files import about, tree_arrays
 from abradem.learning.protocols import (
@@ -132,9 +132,9 @@ def fit_trees(
         return grow(features, target, None, penalties[-1]).predict
 
     splits = {"test_share": test_share, "repeats": repeats, "seed": seed}
-    evaluate_leakage_free(results, TREE, scaled(pruned), **splits)
+    evaluate_leakage_free(results, TREE, with_scalers(pruned), **splits)
     evaluate_leakage_free(
-        results, FOREST, scaled(lambda a, b: _forest(a, b, forest_trees).predict), **splits
+        results, FOREST, with_scalers(lambda a, b: _forest(a, b, forest_trees).predict), **splits
     )
 
     scalers = scalers_of_all_rows(table)

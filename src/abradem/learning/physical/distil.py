@@ -20,7 +20,7 @@ from abradem.learning.evaluation import Results
 from abradem.learning.network import Network, Training, start, train
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.models import PROCESS, fitted, makers
-from abradem.learning.physical.problem import Problem
+from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
 from abradem.learning.rows import constant, standard_scaler
 from abradem.learning.scores import scores_of
@@ -49,7 +49,7 @@ class Settings(NamedTuple):
 
 
 def distil(
-    process: GaussianProcess, given: Problem, settings: Settings, seed: int = 0
+    process: GaussianProcess, given: WearProblem, settings: Settings, seed: int = 0
 ) -> tuple[dict[str, np.ndarray], dict]:
     """Networks that repeat a process.
 
@@ -78,7 +78,7 @@ def distil(
 
 
 def surrogate_of(
-    given: Problem,
+    given: WearProblem,
     process: GaussianProcess,
     conformal: np.ndarray,
     settings: Settings,
@@ -90,7 +90,7 @@ def surrogate_of(
 
     Parameters
     ----------
-    given : Problem
+    given : WearProblem
     process : GaussianProcess
         Fitted to all rows.
     conformal : ndarray
@@ -108,7 +108,7 @@ def surrogate_of(
 
 
 def evaluate_surrogate(
-    given: Problem,
+    given: WearProblem,
     settings: Settings,
     test_share: float = 0.2,
     repeats: int = 5,
@@ -132,7 +132,7 @@ def evaluate_surrogate(
     return results
 
 
-def _describe(given: Problem, error: dict, settings: Settings, results, confidence) -> dict:
+def _describe(given: WearProblem, error: dict, settings: Settings, results, confidence) -> dict:
     low, high = given.inputs.min(axis=0), given.inputs.max(axis=0)
     return {
         "model": MODEL,
@@ -163,7 +163,7 @@ def _describe(given: Problem, error: dict, settings: Settings, results, confiden
     }
 
 
-def _points(low, high, count: int, seed: int, given: Problem) -> np.ndarray:
+def _points(low, high, count: int, seed: int, given: WearProblem) -> np.ndarray:
     """Groups of cases spread evenly over the ranges."""
     from scipy.stats import qmc
 

@@ -21,7 +21,7 @@ import pandas as pd
 from scipy import stats
 
 from abradem.learning.physical.models import PROCESS, fitted, makers
-from abradem.learning.physical.problem import Problem
+from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import folds
 from abradem.surrogate.model import conformal_quantile
 
@@ -36,7 +36,7 @@ TOLERANCE = 0.03
 
 
 def held_out_scores(
-    given: Problem, rows: np.ndarray, fold_count: int = INNER_FOLDS, seed: int = 0
+    given: WearProblem, rows: np.ndarray, fold_count: int = INNER_FOLDS, seed: int = 0
 ) -> np.ndarray:
     """Scores of rows that a process fitted to the others of ``rows`` did not see, sorted."""
     make = makers(seed)[PROCESS]
@@ -47,18 +47,18 @@ def held_out_scores(
     return np.sort(scores)
 
 
-def _scores(process, given: Problem, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _scores(process, given: WearProblem, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """|t - mean| / deviation of rows, and the deviation."""
     mean, deviation = process.predict_with_deviation(given.groups[rows])
     return np.abs(given.log_number[rows] - mean) / deviation, deviation
 
 
-def calibrate(given: Problem, fold_count: int = 5, seed: int = 0) -> tuple[pd.DataFrame, dict]:
+def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[pd.DataFrame, dict]:
     """Coverage of intervals on rows that were held out.
 
     Parameters
     ----------
-    given : Problem
+    given : WearProblem
     fold_count : int
         Every row is held out in one of so many folds.
     seed : int

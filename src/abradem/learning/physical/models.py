@@ -11,7 +11,7 @@ from abradem.learning.evaluation import Results
 from abradem.learning.physical.ensembles import Boosting, Networks
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.power_law import PowerLaw
-from abradem.learning.physical.problem import Problem, problem
+from abradem.learning.physical.problem import WearProblem, problem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
 from abradem.learning.scores import r2, scores_of
 from abradem.quantities import WEAR_COLUMNS
@@ -35,13 +35,13 @@ def makers(seed: int, boosting: dict | None = None, networks: dict | None = None
     }
 
 
-def fitted(make: Callable, given: Problem, rows: np.ndarray):
+def fitted(make: Callable, given: WearProblem, rows: np.ndarray):
     """A model fitted to some rows of a problem."""
     return make().fit(given.groups[rows], given.log_number[rows], given.error[rows])
 
 
 def evaluate(
-    given: Problem,
+    given: WearProblem,
     models: dict[str, Callable],
     test_share: float = 0.2,
     repeats: int = 20,
@@ -63,7 +63,7 @@ def evaluate(
 
 
 def fit_physical(
-    given: Problem,
+    given: WearProblem,
     models: dict[str, Callable],
     test_share: float = 0.2,
     repeats: int = 20,

@@ -26,7 +26,7 @@ STDERR = "wear_total_mean_stderr"
 HEADLINE = "wear_total_mean"
 
 
-class Problem(NamedTuple):
+class WearProblem(NamedTuple):
     """Rows to learn from, in the order of their case numbers.
 
     ``inputs`` (n, 14) the sampled quantities, ``groups`` (n, 10), ``scale`` (n,) in mm/s,
@@ -51,7 +51,7 @@ class Problem(NamedTuple):
 
 def problem(
     dataset: pd.DataFrame, jet: Jet, target: str = HEADLINE, name: str = "dataset", fewest: int = 3
-) -> Problem:
+) -> WearProblem:
     """What the models of this module learn from.
 
     Parameters
@@ -80,7 +80,7 @@ def problem(
     if target == HEADLINE and STDERR in rows:
         error = rows[STDERR].to_numpy(dtype=float) / table.target
         error = np.where(np.isfinite(error), error, np.nanmax(error, initial=0.0))
-    return Problem(
+    return WearProblem(
         table,
         np.column_stack([columns[key] for key in SAMPLED_NAMES]),
         group_matrix(columns, jet),

@@ -10,7 +10,7 @@ import pandas as pd
 
 from abradem.learning.physical.intervals import held_out_scores
 from abradem.learning.physical.models import PROCESS, fitted
-from abradem.learning.physical.problem import Problem
+from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import folds, repeated_splits
 from abradem.learning.scores import r2, score
 from abradem.quantities import SAMPLED_NAMES
@@ -54,7 +54,7 @@ def sizes(most: int) -> list[int]:
 
 
 def learning_curve(
-    given: Problem,
+    given: WearProblem,
     models: dict[str, Callable],
     test_share: float = 0.2,
     repeats: int = 10,
@@ -84,7 +84,7 @@ def learning_curve(
     return pd.DataFrame(rows, columns=["model", "trained", "repeats", "r2", "r2_lower", "r2_upper"])
 
 
-def extrapolate(given: Problem, models: dict[str, Callable], seed: int = 0) -> pd.DataFrame:
+def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) -> pd.DataFrame:
     """Scores on rows beyond a bound, of models that learned from the others.
 
     Beside each stands the score on the same rows by cross-validation over all rows, what the
@@ -128,7 +128,9 @@ def extrapolate(given: Problem, models: dict[str, Callable], seed: int = 0) -> p
     return pd.DataFrame(rows, columns=columns)
 
 
-def _cross_validated(given: Problem, make: Callable, wanted: np.ndarray, seed: int) -> np.ndarray:
+def _cross_validated(
+    given: WearProblem, make: Callable, wanted: np.ndarray, seed: int
+) -> np.ndarray:
     """Predicted wear of some rows, each by a model that did not see it."""
     n = len(given.log_number)
     predicted = np.empty(n)

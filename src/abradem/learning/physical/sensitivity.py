@@ -24,7 +24,7 @@ import pandas as pd
 
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.models import PROCESS, fitted, makers
-from abradem.learning.physical.problem import Problem
+from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import repeated_splits
 from abradem.learning.scores import r2
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
@@ -39,7 +39,7 @@ MOST_ROWS = 300
 """Cases that a partial dependence is averaged over."""
 
 
-def predicted_wear(process: GaussianProcess, given: Problem, inputs: np.ndarray) -> np.ndarray:
+def predicted_wear(process: GaussianProcess, given: WearProblem, inputs: np.ndarray) -> np.ndarray:
     """Wear depth rate, mm/s, of the sampled quantities (n, 14)."""
     values = dict(zip(SAMPLED_NAMES, inputs.T, strict=True))
     return wear_scale(values, given.jet) * np.exp(process.predict(group_matrix(values, given.jet)))
@@ -58,7 +58,7 @@ def _global_seed(seed: int) -> Iterator[None]:
 
 def sobol(
     process: GaussianProcess,
-    given: Problem,
+    given: WearProblem,
     points: int = 2048,
     resamples: int = 200,
     confidence: float = 0.95,
@@ -70,7 +70,7 @@ def sobol(
     ----------
     process : GaussianProcess
         Fitted to all rows of ``given``.
-    given : Problem
+    given : WearProblem
         Gives the ranges of the quantities.
     points : int
         Base points, a power of two; the model is evaluated at 16 times as many.
@@ -125,7 +125,7 @@ def sobol(
 
 
 def permutation(
-    given: Problem, test_share: float = 0.2, repeats: int = 5, seed: int = 0
+    given: WearProblem, test_share: float = 0.2, repeats: int = 5, seed: int = 0
 ) -> pd.DataFrame:
     """Fall of R2 on held-out rows when a quantity is shuffled among them.
 
@@ -159,7 +159,7 @@ def permutation(
     )
 
 
-def partial_dependence(process: GaussianProcess, given: Problem, seed: int = 0) -> pd.DataFrame:
+def partial_dependence(process: GaussianProcess, given: WearProblem, seed: int = 0) -> pd.DataFrame:
     """Geometric mean of the predicted wear with one quantity set.
 
     Returns

@@ -32,7 +32,7 @@ def documentation() -> str:
         "",
         "Generated from `src/abradem/config/` by `python -m abradem.config --write`.",
         "",
-        "`config.yaml` is the paper's study. Another study is a override file on it, such as",
+        "`config.yaml` is the paper's study. Another study is an override file on it, such as",
         "`studies/smoke.yaml`: it holds only the keys that differ. A key that stands nowhere takes",
         "the default below. Values are in SI units unless the key names another unit.",
         "",

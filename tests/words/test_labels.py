@@ -1,0 +1,37 @@
+"""Everything that a figure or a page names has a label."""
+
+import pytest
+
+from abradem.learning.comparison import ORDER
+from abradem.learning.physical.power_law import SHARES, TERMS
+from abradem.learning.protocols import PROTOCOLS as PROTOCOL_NAMES
+from abradem.quantities import QUANTITIES, STATISTICS, WEAR_COLUMNS, WEAR_MEASURES, Quantity
+from abradem.store.columns import COLUMNS
+from abradem.words import labels
+
+
+def test_every_quantity_and_every_term_of_the_power_law_has_a_label():
+    assert {row.name for row in QUANTITIES} <= labels.LABELS.keys()
+    assert SHARES.keys() <= labels.LABELS.keys()
+    assert labels.GROUP_LABELS.keys() == {"constant", *TERMS}
+
+
+def test_every_model_and_every_protocol_has_a_name():
+    assert tuple(labels.MODELS) == ORDER
+    assert labels.PROTOCOLS.keys() == set(PROTOCOL_NAMES)
+
+
+def test_every_wear_rate_has_words():
+    assert tuple(labels.MEASURE_WORDS) == WEAR_MEASURES
+    assert tuple(labels.STATISTIC_WORDS) == STATISTICS
+    assert labels.WEAR_WORDS.keys() == set(WEAR_COLUMNS)
+
+
+@pytest.mark.parametrize("name", [row.name for row in QUANTITIES])
+def test_long_names_in_the_metadata_of_tables_are_the_labels(name):
+    words = labels.WEAR_WORDS.get(name, labels.LABELS[name].long_name)
+    assert COLUMNS[name].long_name == words
+
+
+def test_the_table_of_quantities_holds_numbers_and_units_alone():
+    assert not {"tex", "long_name", "label"} & set(Quantity.__dataclass_fields__)
