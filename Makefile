@@ -1,25 +1,31 @@
-# make run does everything: set-up, the study, its report. make help lists the rest.
+# `make run` sets up the environment, runs the study and writes its report. `make help` lists all
+# targets.
 
 PYTHON ?= python3
 STUDY ?=
-# Further options of snakemake, such as ARGS="--cores 1" or ARGS=--dry-run, or of make bench.
+# Further options for snakemake, such as ARGS="--cores 1" or ARGS=--dry-run, or for other targets.
 ARGS ?=
 
 BIN := $(abspath .venv)/bin
-# Scripts of the workflow that call `python` must find this one.
+# Makes this Python the `python` of the workflow scripts.
 export PATH := $(BIN):$(PATH)
 
+# Test processes; each runs whole files, as tests of a file share what is expensive to make.
+WORKERS ?= 2
+PYTEST = $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
+
 STAMP := .venv/.installed
+DOCS_STAMP := .venv/.docs
 FILES := config.yaml $(filter-out config.yaml,$(STUDY))
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup run verify bench slurm-demo kills soak test lint clean
+.PHONY: help setup run verify bench slurm-demo kills soak quick test lint docs clean
 
-help: ## this list
+help: ## show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
 
-setup: $(STAMP) ## the environment .venv with everything in it
+setup: $(STAMP) ## create the environment .venv with all dependencies
 
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv .venv
@@ -28,39 +34,53 @@ $(STAMP): pyproject.toml constraints.txt
 	$(BIN)/python -m abradem.dem.warm
 	@touch $@
 
-run: $(STAMP) ## a study and its report: make run, make run STUDY=studies/smoke.yaml
+run: $(STAMP) ## run a study and write its report: make run, make run STUDY=studies/smoke.yaml
 	@folder=$$($(BIN)/abradem config --folder $(FILES)) && \
 	$(BIN)/snakemake --configfile $(FILES) $(ARGS) && \
 	$(BIN)/snakemake --configfile $(FILES) --report $$folder/.report.html --quiet && \
 	mv -f $$folder/.report.html $$folder/report.html && \
 	echo $$folder/report.html
 
-verify: $(STAMP) ## the engine against what is known: results/verification/results.md
+verify: $(STAMP) ## verify the engine: results/verification/results.md
 	@$(BIN)/snakemake verification $(ARGS) && echo results/verification/results.md
 
-bench: $(STAMP) ## the engine timed against other codes: make bench ARGS="A B --clock cpu"
+bench: $(STAMP) ## compare the speed of the engine with other codes: make bench ARGS="A B --clock cpu"
 	$(BIN)/python benchmarks/speed.py --table results/benchmarks/speed.csv $(ARGS)
 	$(if $(ARGS),,$(BIN)/python benchmarks/cost.py results/benchmarks)
 
-slurm-demo: $(STAMP) ## the smoke study on a real Slurm of two nodes, where one is installed
+slurm-demo: $(STAMP) ## run the smoke study on a local Slurm cluster of two nodes, if Slurm is installed
 	@$(BIN)/python profiles/slurm/demo.py $(ARGS)
 
-kills: $(STAMP) ## a study killed and resumed, 50 times: make kills, make kills ARGS=10
+kills: $(STAMP) ## kill and resume a study 50 times: make kills, make kills ARGS=10
 	@$(BIN)/python tests/workflow/kills.py $(ARGS)
 
-soak: $(STAMP) ## an hour of the engine on random cases: make soak, make soak ARGS="--minutes 5"
+soak: $(STAMP) ## run the engine on random cases for an hour: make soak, make soak ARGS="--minutes 5"
 	@$(BIN)/python benchmarks/soak.py --table results/benchmarks/soak.csv $(ARGS)
 
-test: $(STAMP) ## all tests
-	$(BIN)/python -m pytest
+quick: $(STAMP) ## run the fast tests, in about a minute
+	$(PYTEST) -m "not slow" $(ARGS)
 
-lint: $(STAMP) ## style of the code and of the workflow
+test: $(STAMP) ## run all tests
+	$(PYTEST) $(ARGS)
+
+lint: $(STAMP) ## check the style of the code and of the workflow, and the types
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/snakemake --lint
+	$(BIN)/mypy
 
-clean: ## remove all results and caches; the environment stays
+docs: $(DOCS_STAMP) ## make the pages of the documentation: site/index.html
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+	@echo site/index.html
+
+# Apart from the environment of a study, which needs none of it.
+$(DOCS_STAMP): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints.txt --editable ".[docs]"
+	@touch $@
+
+clean: ## remove all results and caches, but keep the environment
 	find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
-	rm -rf .snakemake .pytest_cache .ruff_cache .hypothesis build dist
+	rm -rf .snakemake .pytest_cache .ruff_cache .mypy_cache .hypothesis build dist site
 	find src tests workflow -name __pycache__ -exec rm -rf {} +

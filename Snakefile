@@ -1,12 +1,12 @@
 """From the ranges in config.yaml to a wear data set, models, figures and a report.
 
-snakemake                                               the study of config.yaml
-snakemake --configfile config.yaml studies/smoke.yaml   another study, an override file on it
-snakemake dataset                                       up to one stage
-snakemake verification                                  the engine against what is known
-snakemake movie | vtk | paper                           a film, files for ParaView, a PDF
-snakemake publish                                       a folder ready for an archive
-snakemake --list                                        all targets and rules
+snakemake                                               run the study of config.yaml
+snakemake --configfile config.yaml studies/smoke.yaml   run another study (override file)
+snakemake dataset                                       run up to one stage
+snakemake verification                                  verify the engine
+snakemake movie | vtk | paper                           make a film, files for ParaView, a PDF
+snakemake publish                                       make a folder ready for an archive
+snakemake --list                                        list all targets and rules
 """
 
 import sys
@@ -23,7 +23,7 @@ except ModuleNotFoundError as error:
 
 if not workflow.current_basedir.is_local:
     sys.exit(
-        "abradem needs files beside its Snakefile: import it from a clone, not from "
+        "abradem needs the files next to its Snakefile: import it from a clone, not from "
         f"{workflow.current_basedir.get_path_or_uri(secret_free=True)}"
     )
 
@@ -33,7 +33,7 @@ IN_MODULE = Path(workflow.main_snakefile).resolve() != Path(HOME, "Snakefile").r
 
 try:
     if not IN_MODULE:
-        # Snakemake's reader of configurations runs templates (yte), this one nothing.
+        # Snakemake would execute templates (yte) in the configuration; refuse them here.
         abradem.config.refuse_all_but_data("config.yaml")
 except abradem.config.ConfigError as error:
     sys.exit(str(error))
@@ -77,7 +77,7 @@ include: "workflow/rules/verification.smk"
 
 if SIMULATED:
 
-    # The table of somebody else is not ours to publish.
+    # External tables are not published.
     include: "workflow/rules/publish.smk"
 
 
@@ -86,9 +86,9 @@ localrules:
     verification,
 
 
-# The overview of all stages; `snakemake --list` names the others.
+# All stages; `snakemake --list` shows the other targets.
 rule all:
-    """The whole study: data set, models, figures, tables. The default."""
+    """The whole study: data set, models, figures, tables. The default target."""
     default_target: True
     input:
         STAGES_OF_SIMULATION,

@@ -16,17 +16,17 @@ import numpy as np
 from abradem.cli.main import find_case
 from abradem.config import read_config, setup_dict
 from abradem.dem.model import Case, Setup
-from abradem.dem.simulation import _Engine
+from abradem.dem.simulation import Engine
 from abradem.dem.state import DONE, GONE, make_problem
 
 STEPS, ROUNDS = 5000, 5
 
 
-def crowd_after(study: Path, case: int, seconds: float) -> _Engine:
+def crowd_after(study: Path, case: int, seconds: float) -> Engine:
     """Return the engine of a case of a study, advanced to a simulated time."""
     setup = Setup.from_dict(setup_dict(read_config(study / "config.yaml")))
     problem, schedule = make_problem(Case.from_row(find_case(study, case)), setup)
-    engine = _Engine(problem, schedule, setup.stepping)
+    engine = Engine(problem, schedule, setup.stepping)
     outcome = engine.advance(round(seconds / problem.dt))
     if outcome != DONE:
         raise SystemExit(f"case {case} ended before: {outcome}")
@@ -35,7 +35,7 @@ def crowd_after(study: Path, case: int, seconds: float) -> _Engine:
     return engine
 
 
-def seconds_per_step(engine: _Engine, steps: int) -> float:
+def seconds_per_step(engine: Engine, steps: int) -> float:
     """Computing time of a step from where the engine is, which stays there."""
     copy = deepcopy(engine)
     start = int(copy.state.tally["step"][0])

@@ -17,7 +17,7 @@ from cost import save_image
 from speed import particle
 
 from abradem import Setup
-from abradem.dem.simulation import _Engine
+from abradem.dem.simulation import Engine
 from abradem.dem.state import make_problem
 from abradem.figures import speed as figures
 
@@ -34,7 +34,7 @@ def watched(case, setup):
         As `abradem.figures.speed.islands_figure` takes them.
     """
     problem, schedule = make_problem(case, setup)
-    engine = _Engine(problem, schedule, "islands")
+    engine = Engine(problem, schedule, "islands")
     steps = round(setup.duration / problem.dt)
     does = np.full((steps + 1, round(setup.duration * setup.number_rate) + 1), ABSENT, np.int8)
     open_pairs: dict[tuple[int, int], int] = {}

@@ -31,7 +31,7 @@ import numpy as np
 
 from abradem.dem.contact import effective_moduli
 from abradem.dem.model import Case, Setup
-from abradem.dem.simulation import _Engine
+from abradem.dem.simulation import Engine
 from abradem.dem.state import FLYING, GONE, Problem, make_problem
 
 MARGIN = 0.1
@@ -97,7 +97,7 @@ def pour(case: Case, setup: Setup) -> Pour:
     particle keeps the anchor of its flight, which is where it was released.
     """
     problem, schedule = make_problem(case, setup)
-    engine = _Engine(problem, schedule, "islands")
+    engine = Engine(problem, schedule, "islands")
     sample = max(1, round(setup.sample_interval / problem.dt))
     end = max(1, round(setup.duration / (sample * problem.dt))) * sample
     steps, places, present, energy = [], [], [], []

@@ -1,4 +1,4 @@
-"""Cases and a set-up that simulate in a moment."""
+"""Cases and a set-up with a very short simulation."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""What every figure must fulfil, and noisy but steady simulations to draw."""
+"""Requirements that every figure must fulfil, and noisy but steady simulations to draw."""
 
 from unittest import mock
 
@@ -54,13 +54,13 @@ def study(n, seed=0):
 
 
 def texts(figure):
-    """All words of a figure as drawn."""
+    """All texts of a figure as drawn."""
     figure.draw_without_rendering()
     return " ".join(text.get_text() for text in figure.findobj(lambda a: hasattr(a, "get_text")))
 
 
 def assert_fit_to_print(figure):
-    """Nothing reaches beyond the page, no text lies on another, the type is large enough."""
+    """Nothing extends beyond the page, no texts overlap, and all text is large enough."""
     renderer = FigureCanvasAgg(figure).get_renderer()
     drawn, draw = {}, Text.draw
 

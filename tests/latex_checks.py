@@ -1,4 +1,4 @@
-"""Numbers of LaTeX files against the results that they name as their source."""
+"""Comparison of the numbers in LaTeX files with the results that they state as their source."""
 
 import math
 import re
@@ -7,7 +7,7 @@ from abradem.report import latex
 
 
 def at_source(found, source):
-    """The value that a comment names."""
+    """The value at the source stated in a comment."""
     file, _, place = source.partition(": ")
     percent = place.endswith(" [x 100]")
     value = latex.cited_value(found.files[file], place.removesuffix(" [x 100]"), file)

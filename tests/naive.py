@@ -1,6 +1,6 @@
-"""Naive twins of fast code: plain loops over all pairs, written from the laws, not from the code.
+"""Reference implementations: simple, slow loops over all pairs, written from the equations.
 
-Slow and obvious. Every fast kernel is tested against them.
+Every fast kernel is tested against them.
 """
 
 import itertools

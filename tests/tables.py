@@ -1,4 +1,4 @@
-"""Tables drawn from the study's ranges, whose law is known."""
+"""Tables drawn from the ranges of the paper, with a known law."""
 
 import numpy as np
 import pandas as pd
@@ -29,7 +29,7 @@ def linear_law(n, noise=0.0, seed=0):
 
 
 def product_law(n, noise=0.05, seed=0):
-    """Wear as physics has it: W times a function of speed and angle, times noise."""
+    """Physically plausible wear: W times a function of speed and angle, times noise."""
     table = drawn(n, seed)
     wear = (
         3e6
@@ -42,6 +42,6 @@ def product_law(n, noise=0.05, seed=0):
 
 
 def no_law(n, seed=0):
-    """Wear that has nothing to do with the features."""
+    """Wear that does not depend on the features."""
     wear = np.random.default_rng(seed + 1).uniform(1.0, 2.0, n)
     return drawn(n, seed).assign(**{TARGET.name: wear})

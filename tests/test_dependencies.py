@@ -1,4 +1,4 @@
-"""Few dependencies: each pinned, listed with its licence and its reason, and free to use."""
+"""Dependencies: few, pinned, and listed with reason and free licence."""
 
 import re
 import tomllib
@@ -6,12 +6,16 @@ from importlib.metadata import PackageNotFoundError, metadata
 from pathlib import Path
 
 import pytest
+import yaml
+
+import abradem
+from abradem.running.provenance import versions
 
 ROOT = Path(__file__).parents[1]
-COMPATIBLE = {"MIT", "BSD-2-Clause", "BSD-3-Clause", "Apache-2.0", "PSF-2.0", "MPL-2.0"}
+COMPATIBLE = {"MIT", "ISC", "BSD-2-Clause", "BSD-3-Clause", "Apache-2.0", "PSF-2.0", "MPL-2.0"}
 WORDS = {
-    "MIT": "MIT", "BSD-2-Clause": "BSD", "BSD-3-Clause": "BSD", "Apache-2.0": "Apache",
-    "PSF-2.0": "Python Software Foundation|PSF", "MPL-2.0": "Mozilla|MPL",
+    "MIT": "MIT", "ISC": "ISC", "BSD-2-Clause": "BSD", "BSD-3-Clause": "BSD",
+    "Apache-2.0": "Apache", "PSF-2.0": "Python Software Foundation|PSF", "MPL-2.0": "Mozilla|MPL",
 }  # fmt: skip
 """How the metadata of packages name these licences."""
 
@@ -61,7 +65,7 @@ def test_the_licence_is_the_one_that_the_package_names(name):
 
 
 def test_all_that_is_installed_for_the_project_is_pinned():
-    """What the declared packages need, in turn, is pinned as well."""
+    """The dependencies of the declared packages are pinned as well."""
     from importlib.metadata import requires
 
     seen, waiting = set(), list(DECLARED)
@@ -85,8 +89,28 @@ def test_all_that_is_installed_for_the_project_is_pinned():
     assert seen - PINNED.keys() == set()
 
 
+def test_there_is_one_version():
+    """The package's, which descriptors of published data sets and `abradem --version` take."""
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))["version"]
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    latest = re.search(r"^## (\d\S*?),? ", changes, re.MULTILINE)[1]
+    # As it was installed; after a change of the version, `pip install --editable .` again.
+    installed = metadata("abradem")["Version"]
+    assert {cited, latest, installed, versions()["abradem"]} == {abradem.__version__}
+
+
+def test_no_source_holds_a_version_of_its_own():
+    """For example a descriptor that is not updated at the next release."""
+    wrong = [
+        path.relative_to(ROOT).as_posix()
+        for path in (ROOT / "src").rglob("*.py")
+        if path != ROOT / "src/abradem/__init__.py" and abradem.__version__ in path.read_text()
+    ]
+    assert wrong == []
+
+
 def test_no_source_reads_what_could_run_code():
-    """Models and tables are numbers and words; pickles and their like are read nowhere."""
+    """Models and tables contain only numbers and text; pickle files are never read."""
     forbidden = re.compile(
         r"\b(pickle|marshal|shelve|dill|joblib|cloudpickle)\b.*\b(load|import)\b|import pickle"
         r"|torch\.load|allow_pickle=True|read_pickle|yaml\.(unsafe_load|full_load|load)\("

@@ -1,4 +1,4 @@
-"""Formulas of elasticity against numbers worked out elsewhere, and each in one place."""
+"""Elasticity formulas compared with independent values, each defined in one place only."""
 
 import math
 import re
@@ -14,7 +14,7 @@ from abradem import elastic
 SOURCES = sorted(Path(abradem.__path__[0]).rglob("*.py"))
 
 
-# Two equal spheres of 10 mm that meet at 20 m/s (Chung & Ooi 2011, test 1).
+# Two equal spheres of 10 mm that collide at 20 m/s (Chung & Ooi 2011, test 1).
 @pytest.mark.parametrize(
     ("young", "poisson", "density", "force", "overlap", "duration"),
     [(48e9, 0.20, 2800.0, 10_697.0, 274.1e-6, 40.34e-6),

@@ -1,8 +1,7 @@
-"""Mutated configurations and tables: each is refused in lines that name the place; nothing else
-happens.
+"""Fuzz tests: mutated configurations and tables are refused with lines that name the place.
 
-The mutations are drawn with a fixed seed; ABRADEM_FUZZ sets how many of each kind. What a mutated
-configuration may still hold is asked of a validator of JSON schemas, not of our own check.
+The mutations are drawn with a fixed seed; ABRADEM_FUZZ sets the number of each kind. An independent
+JSON schema validator decides whether a mutated configuration is still valid.
 """
 
 import contextlib
@@ -49,7 +48,7 @@ def folder(tmp_path_factory):
 
 
 def refused(file):
-    """Run the check that `make run` begins with; its lines are about ``file``."""
+    """Run the check with which `make run` begins; its lines are about ``file``."""
     before = {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()}
     said = io.StringIO()
     with contextlib.redirect_stderr(said):
@@ -66,7 +65,7 @@ def refused(file):
 
 
 def leaves(value, above=()):
-    """Paths of all values that are no section."""
+    """Paths of all values that are not sections."""
     if isinstance(value, dict) and value:
         for name, inner in value.items():
             yield from leaves(inner, (*above, name))
@@ -79,7 +78,7 @@ def at(document, path):
 
 
 def put(path, value, document=BASE):
-    """The document with another value in one place."""
+    """The document with one value replaced."""
     if not path:
         return value
     return {**document, path[0]: put(path[1:], value, document[path[0]] if path[1:] else None)}
@@ -228,7 +227,7 @@ def test_a_mutated_configuration_is_refused(content):
 
 @st.composite
 def tables_with_odd_values(draw):
-    """A column or one of its values that no simulation can have."""
+    """An impossible column, or a column with an impossible value."""
     name = draw(one_of([*SAMPLED_NAMES, "wear_total_mean"]))
     odd = draw(
         one_of(
@@ -336,7 +335,7 @@ def damaged_parquet(draw):
 
 
 def stored(table, suffix):
-    """A table under the name t, however strange."""
+    """Any table, named t."""
     path = Path(f"t{suffix}")
     if isinstance(table, bytes):
         path.write_bytes(table)
@@ -368,7 +367,7 @@ def test_a_mutated_table_is_refused(table):
 @seeded
 @given(damaged_parquet())
 def test_a_damaged_parquet_file_is_refused_or_holds_the_same_numbers(table):
-    """A flipped bit in what nothing reads does no harm; every number is guarded by a checksum."""
+    """A flipped bit in unused data does no harm; every number is protected by a checksum."""
     path = stored(*table)
     Path("config.yaml").write_bytes(text({"study": "a", "dataset": {"external": str(path)}}))
     with (

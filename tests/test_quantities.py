@@ -1,4 +1,4 @@
-"""The table of quantities: complete, consistent, and strict about values."""
+"""The table of quantities: completeness, consistency and checking of values."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_paper_range_lies_within_the_limits(row):
 
 @pytest.mark.parametrize("row", [*DERIVED, TARGET], ids=lambda row: row.name)
 def test_what_is_not_sampled_has_no_range(row):
-    assert row.paper_range is None and row.limits is None
+    assert row.paper_range == row.limits == ()
 
 
 @pytest.mark.parametrize("row", SAMPLED, ids=lambda row: row.name)
@@ -77,7 +77,7 @@ def test_what_is_no_finite_number_is_refused(value):
 
 def test_quantities_are_found_by_name():
     assert quantity("particle_radius").symbol == "X15"
-    with pytest.raises(KeyError, match="no quantity 'radius'; known are particle_youngs_modulus"):
+    with pytest.raises(KeyError, match="unknown quantity 'radius'; known: particle_youngs_modulus"):
         quantity("radius")
 
 

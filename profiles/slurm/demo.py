@@ -1,15 +1,14 @@
-"""A study on a real Slurm that lives on this machine for some minutes: make slurm-demo.
+"""Run a study on a temporary Slurm cluster on this machine: make slurm-demo.
 
-Two nodes (slurmd) on the loopback interface and their controller run from a temporary folder,
-with a key of their own. The study runs on them with the profile beside this file. While jobs run
-on both nodes, one node is killed with all that runs on it, among that a simulation, and later one
-job on the other is cancelled; the study must end complete all the same. The verdict comes from what
-Slurm's controller says of every job. Everything that was started is stopped in the end,
-whatever happened.
+A controller and two nodes (slurmd) run on the loopback interface from a temporary folder, with
+their own key. The study runs on them with the profile in this folder. While jobs run on both
+nodes, one node is killed with all its processes, including a simulation. Later a job on the other
+node is cancelled. The study must complete nevertheless. The verdict is based on the records of the
+Slurm controller for every job. Everything that was started is stopped at the end in any case.
 
-It needs root and the Debian packages slurmctld, slurmd, munge, slurm-client and
-slurm-wlm-basic-plugins. Where they are missing, or where a Slurm is already set up, one line
-says so and nothing is done.
+The demonstration needs root and the Debian packages slurmctld, slurmd, munge, slurm-client and
+slurm-wlm-basic-plugins. If they are missing, or if Slurm is already configured, it prints one line
+and does nothing.
 """
 
 from __future__ import annotations
@@ -43,13 +42,13 @@ DAEMONS = ("munged", "slurmctld", "slurmd")
 COMMANDS = ("sbatch", "srun", "squeue", "sinfo", "scontrol", "scancel", "sacct", "sacctmgr")
 NODES = ("n1", "n2")
 CORES, MEMORY_MB = 2, 16000
-"""What each node claims to have; Slurm does not check it."""
+"""Resources that each node declares; Slurm does not check them."""
 
 MARK = "ABRADEM_SLURM_DEMO"
-"""In the environment of everything that runs for the demonstration."""
+"""Environment variable of all processes of the demonstration."""
 
 NODE_VARIABLE = "SLURMD_NODENAME"
-"""In the environment of everything that runs on a node: Slurm gives it to jobs, we to daemons."""
+"""Environment variable of all processes on a node: set by Slurm for jobs, and here for daemons."""
 
 CONFIGURATION = """\
 ClusterName=demo
@@ -73,7 +72,7 @@ AccountingStorageType=accounting_storage/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU_Memory
 SlurmdParameters=config_overrides
-# A dead node is noticed in this time, s; finished jobs stay known for the whole demonstration.
+# Time until a dead node is noticed, s; finished jobs are kept for the whole demonstration.
 SlurmdTimeout=20
 MinJobAge=86400
 KillWait=5
@@ -84,11 +83,11 @@ PartitionName=demo Nodes={names} Default=YES MaxTime=INFINITE State=UP
 
 
 class DemoError(Exception):
-    """The demonstration cannot go on."""
+    """The demonstration cannot continue."""
 
 
 def why_not() -> str | None:
-    """Say what keeps the demonstration from running here, if anything does."""
+    """The reason why the demonstration cannot run here, or None."""
     found = [str(path) for path in CONFIGURATIONS if path.exists()]
     if os.environ.get("SLURM_CONF"):
         found.append(f"SLURM_CONF={os.environ['SLURM_CONF']}")
@@ -105,12 +104,12 @@ def why_not() -> str | None:
 
 
 def program(name: str) -> str | None:
-    """Path of a program; daemons lie where users often do not search."""
+    """Path of a program; daemons may be in folders that are not on the user's path."""
     return shutil.which(name, path=f"{os.environ.get('PATH', os.defpath)}:/usr/sbin:/sbin")
 
 
 def free_ports(count: int) -> list[int]:
-    """Ports of the loopback interface that nobody uses."""
+    """Unused ports of the loopback interface."""
     with contextlib.ExitStack() as stack:
         sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
         for each in sockets:
@@ -124,7 +123,7 @@ def wait_for(met: Callable[[], bool], what: str, seconds: float) -> None:
     Raises
     ------
     DemoError
-        If it is not within ``seconds``.
+        If it is not true within ``seconds``.
     """
     end = time.monotonic() + seconds
     while not met():
@@ -134,20 +133,20 @@ def wait_for(met: Callable[[], bool], what: str, seconds: float) -> None:
 
 
 class Cluster:
-    """A Slurm of two nodes on this machine.
+    """A Slurm cluster of two nodes on this machine.
 
     Parameters
     ----------
     folder : Path
-        Empty folder for its configuration, key, sockets, state and logs.
+        Empty folder for configuration, key, sockets, state and logs.
     """
 
     def __init__(self, folder: Path):
         self.folder = folder
         self.configuration = folder / "slurm.conf"
         self.daemons: dict[str, subprocess.Popen] = {}
-        # Snakemake and its executor drop SLURM_CONF from the environment, so that it is set by
-        # wrappers of the commands, which come first on the path. Nothing is written to /etc.
+        # Snakemake and its executor drop SLURM_CONF from the environment. It is therefore set by
+        # wrappers of the commands, which are first on the path. Nothing is written to /etc.
         self.environment = {
             **os.environ,
             MARK: str(folder),
@@ -155,7 +154,7 @@ class Cluster:
         }
 
     def start(self) -> None:
-        """Start all daemons and wait until the nodes take jobs."""
+        """Start all daemons and wait until the nodes accept jobs."""
         for name in ("bin", "state", *NODES):
             (self.folder / name).mkdir()
         for name in COMMANDS:
@@ -201,7 +200,7 @@ class Cluster:
             )  # fmt: skip
 
     def command(self, *words: str) -> str:
-        """Output of a Slurm command; empty where the controller does not answer."""
+        """Output of a Slurm command; empty if the controller does not answer."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             return subprocess.run(
                 words, env=self.environment, capture_output=True, text=True, timeout=60, check=False
@@ -209,26 +208,26 @@ class Cluster:
         return ""
 
     def node_states(self) -> dict[str, str]:
-        """State of each node, as sinfo has it."""
+        """State of each node, from sinfo."""
         lines = self.command("sinfo", "--noheader", "--Node", "--format=%N %t").splitlines()
         return dict(line.split() for line in lines)
 
     def jobs(self) -> list[dict[str, str]]:
-        """Every job that was ever submitted, with the fields of `scontrol show job`."""
+        """All jobs submitted so far, with the fields of `scontrol show job`."""
         lines = self.command("scontrol", "show", "job", "--oneliner").splitlines()
         found = [dict(re.findall(r"(\S+?)=(\S*)", line)) for line in lines if "JobId=" in line]
         return [{**job, "Rule": rule_of(job)} for job in found]
 
     def processes(self, node: str | None = None) -> list[psutil.Process]:
-        """Everything that runs for this Slurm or for one node of it, whatever its parent."""
+        """All processes of this cluster or of one of its nodes, regardless of their parents."""
         return [process for process in psutil.process_iter() if self._owns(process, node)]
 
     def _owns(self, process: psutil.Process, node: str | None) -> bool:
         environment = environment_of(process)
         if environment.get(MARK) == str(self.folder):
             return node in (None, environment.get(NODE_VARIABLE))
-        # Those that watch over a job write their title over their environment, but hold the log
-        # of their node.
+        # Processes that supervise a job overwrite their environment with their title, but have
+        # the log of their node open.
         with contextlib.suppress(psutil.Error, OSError):
             if process.name().startswith("slurmstepd"):
                 logs = {
@@ -238,16 +237,16 @@ class Cluster:
         return False
 
     def kill_node(self, name: str) -> None:
-        """Let a node die at once, with everything that runs on it."""
+        """Kill a node at once, with all processes on it."""
         doomed = self.processes(name)
-        # Stopped first, so that none lives to report that another died.
+        # Suspended first, so that no process can report the death of another.
         for end in (psutil.Process.suspend, psutil.Process.kill):
             for process in doomed:
                 with contextlib.suppress(psutil.Error):
                     end(process)
 
     def stop(self) -> None:
-        """End everything that runs for this Slurm."""
+        """End all processes of this cluster."""
         for end in (psutil.Process.terminate, psutil.Process.kill):
             for process in self.processes():
                 with contextlib.suppress(psutil.Error):
@@ -262,7 +261,7 @@ def rule_of(job: dict[str, str]) -> str:
 
 
 def environment_of(process: psutil.Process) -> dict[str, str]:
-    """Environment that a process was started with; empty where it cannot be read."""
+    """Environment with which a process was started; empty if it cannot be read."""
     try:
         return process.environ()
     except (psutil.Error, OSError):
@@ -270,13 +269,13 @@ def environment_of(process: psutil.Process) -> dict[str, str]:
 
 
 class Memory:
-    """The most memory of each job at one time: of all its processes, shared pages in each."""
+    """Peak memory of each job: sum over its processes, with shared pages counted in each."""
 
     def __init__(self):
         self.most_mb: dict[str, float] = {}
 
     def look(self, cluster: Cluster) -> None:
-        """Look at the jobs that run now."""
+        """Measure the jobs that are running now."""
         now: Counter = Counter()
         for process in cluster.processes():
             if job := environment_of(process).get("SLURM_JOB_ID"):
@@ -288,7 +287,7 @@ class Memory:
 
 @dataclass
 class Harm:
-    """What was done to the cluster while the study ran: the node, numbers of jobs."""
+    """Disturbances of the cluster during the study: the node killed and the jobs affected."""
 
     node: str = ""
     killed: list[str] = field(default_factory=list)
@@ -297,7 +296,7 @@ class Harm:
 
 
 def harm(cluster: Cluster, done: Harm) -> Iterator[None]:
-    """Kill a node, later cancel a job; yields wherever there is to wait."""
+    """Kill a node, later cancel a job; yields whenever it has to wait."""
     while True:
         jobs = running(cluster)
         simulating = [job["NodeList"] for job in jobs if job["Rule"] == "simulate"]
@@ -312,7 +311,7 @@ def harm(cluster: Cluster, done: Harm) -> Iterator[None]:
     while not cluster.node_states().get(done.node, "").startswith("down"):
         yield
     done.noticed = True
-    say(f"the controller has noticed: {cluster.node_states()}")
+    say(f"noticed by the controller: {cluster.node_states()}")
     while not done.cancelled:
         yield
         jobs = sorted(running(cluster), key=lambda job: job["Rule"] != "simulate")
@@ -320,25 +319,25 @@ def harm(cluster: Cluster, done: Harm) -> Iterator[None]:
             cluster.command("scancel", number)
             while (state := state_of(cluster, number)) in ("", "RUNNING", "COMPLETING"):
                 yield
-            # It may have ended just before.
+            # The job may have finished just before.
             if state == "CANCELLED":
                 done.cancelled = [number]
     say(f"job {done.cancelled[0]} cancelled")
 
 
 def running(cluster: Cluster) -> list[dict[str, str]]:
-    """Jobs that run now."""
+    """Jobs that are running now."""
     return [job for job in cluster.jobs() if job["JobState"] == "RUNNING"]
 
 
 def state_of(cluster: Cluster, number: str) -> str:
-    """State of a job; empty where the controller does not answer."""
+    """State of a job; empty if the controller does not answer."""
     states = {job["JobId"]: job["JobState"] for job in cluster.jobs()}
     return states.get(number, "")
 
 
 def say(text: str) -> None:
-    """Print at once."""
+    """Print without buffering."""
     print(text, flush=True)
 
 
@@ -352,7 +351,7 @@ def snakemake(*arguments: str) -> list[str]:
 
 
 def demonstrate(cluster: Cluster, targets: list[str], minutes: float) -> bool:
-    """Run the study, harm the cluster meanwhile, and say whether all went well."""
+    """Run the study, disturb the cluster meanwhile, and return whether all checks pass."""
     results = ROOT / "results" / STUDY
     shutil.rmtree(results, ignore_errors=True)
     log = results / "logs" / "slurm.log"
@@ -363,7 +362,7 @@ def demonstrate(cluster: Cluster, targets: list[str], minutes: float) -> bool:
     start = time.monotonic()
     with open(log, "wb") as out:
         run = subprocess.Popen(
-            # All jobs are short, so their ends are asked for often.
+            # All jobs are short, so their status is checked often.
             snakemake(
                 *targets, "--slurm-status-command", "squeue",
                 "--slurm-init-seconds-before-status-checks", "2", "--latency-wait", "10",
@@ -411,7 +410,7 @@ def write_jobs(path: Path, jobs: list[dict[str, str]], memory: Memory) -> None:
 
 
 def verdict(jobs: list[dict[str, str]], memory: Memory, done: Harm, complete: bool) -> bool:
-    """Print what the jobs show, and whether each expectation is met."""
+    """Print a summary of the jobs, and whether each expectation is met."""
     for node in NODES:
         states = Counter(job["JobState"].lower() for job in jobs if job["NodeList"] == node)
         counts = ", ".join(f"{count} {state}" for state, count in states.items())
@@ -424,14 +423,14 @@ def verdict(jobs: list[dict[str, str]], memory: Memory, done: Harm, complete: bo
     for job in sorted(jobs, key=lambda job: used[job["JobId"]])[-1:]:
         number = job["JobId"]
         say(
-            f"  most memory against what was asked for: {memory.most_mb.get(number, 0.0):.0f} of "
+            f"  largest share of the requested memory: {memory.most_mb.get(number, 0.0):.0f} of "
             f"{asked[number]:.0f} MB, {job['Rule']}"
         )
     checks = {
-        f"a node died while both ran jobs; on it: {len(done.killed)}": done.noticed,
-        f"queued again by Slurm: {len(requeued)}": bool(requeued & set(done.killed)),
-        f"cancelled, and submitted again by snakemake: {len(again)}": bool(again),
-        "no job used more memory than it asked for": all(share <= 1.0 for share in used.values()),
+        f"a node died while both ran jobs; jobs on it: {len(done.killed)}": done.noticed,
+        f"requeued by Slurm: {len(requeued)}": bool(requeued & set(done.killed)),
+        f"cancelled, and resubmitted by snakemake: {len(again)}": bool(again),
+        "no job used more memory than it requested": all(share <= 1.0 for share in used.values()),
         "the study is complete": complete,
     }
     for what, met in checks.items():
@@ -441,16 +440,16 @@ def verdict(jobs: list[dict[str, str]], memory: Memory, done: Harm, complete: bo
 
 
 def megabytes(text: str) -> float:
-    """Memory as scontrol prints it, such as 1500M or 2G."""
+    """Memory in MB from the format of scontrol, such as 1500M or 2G."""
     units = {"K": 2.0**-10, "M": 1.0, "G": 2.0**10, "T": 2.0**20}
     return float(text[:-1]) * units[text[-1]] if text[-1] in units else float(text)
 
 
 def main() -> int:
-    """Run the demonstration; 0 where it passed or was skipped."""
+    """Run the demonstration; returns 0 if it passed or was skipped."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("targets", nargs="*", help="of snakemake; default: the whole study")
-    parser.add_argument("--minutes", type=float, default=40.0, help="the longest it may take")
+    parser.add_argument("targets", nargs="*", help="snakemake targets; default: the whole study")
+    parser.add_argument("--minutes", type=float, default=40.0, help="time limit in minutes")
     arguments = parser.parse_args()
     if reason := why_not():
         print(f"slurm-demo skipped: {reason}")
@@ -474,7 +473,7 @@ def main() -> int:
         interrupt = True
         say("Slurm demonstration: interrupted")
     finally:
-        # Whoever is impatient must not leave half of it running.
+        # A second interruption must not leave processes running.
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, signal.SIG_IGN)
         cluster.stop()

@@ -1,6 +1,6 @@
-"""abradem: from ranges of material and geometry to a wear data set, models and figures.
+"""abradem: wear data sets, models and figures from ranges of materials and geometry.
 
-Importing the package is light: numba, torch, scikit-learn and matplotlib load where used.
+Importing the package is fast: numba, torch, scikit-learn and matplotlib are imported when used.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""The one table of quantities: what each is called, in which unit, and within which limits.
+"""Table of all quantities: name, unit and limits.
 
-Everything that names, checks, converts, labels or plots a quantity reads this table.
-Symbols X1..X20 and the target X21, and the paper's ranges, follow the study that the
-default configuration repeats.
+All code that names, checks, converts, labels or plots a quantity uses this table. The symbols
+X1..X20, the target X21 and the ranges are those of the paper, which the default configuration
+reproduces.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ GRAVITY = 9.81
 """Gravitational acceleration, m/s2; it acts along -y."""
 
 WEAR_MEASURES = ("total", "sliding", "friction")
-"""The three wear measures of Archard's "normal force times sliding distance"."""
+"""The three wear measures, each a form of "normal force times sliding distance" (Archard 1953,
+J. Appl. Phys. 24:981)."""
 
 STATISTICS = ("mean", "footprint", "p99", "max")
-"""The statistics over the plate's facets that a wear measure is reduced to."""
+"""The statistics of a wear measure over the facets of the plate."""
 
 
 @dataclass(frozen=True)
@@ -31,31 +32,31 @@ class Quantity:
     name : str
         Column name; SI unless the name says otherwise.
     unit : str
-        Unit of the column, "1" where dimensionless.
+        Unit of the column, "1" if dimensionless.
     kind : {"sampled", "derived", "target"}
-    paper_range : tuple of float or None
+    paper_range : tuple of float
         Lower and upper bound in the default study, in ``unit`` (sampled only).
-    limits : tuple of float or None
-        What is physically possible and the engine can simulate, in ``unit``, inclusive
-        (sampled only).
+    limits : tuple of float
+        Range of values that are physically possible and that the engine can simulate, in
+        ``unit``, inclusive (sampled only).
     config_suffix : str
-        Suffix of the key in the configuration, "" where it is in ``unit``.
+        Suffix of the key in the configuration, "" if the key is in ``unit``.
     config_factor : float
-        Value in the configuration times this is the value in ``unit``.
+        Factor from the unit of the key in the configuration to ``unit``.
     """
 
     symbol: str
     name: str
     unit: str
     kind: str
-    paper_range: tuple[float, float] | None = None
-    limits: tuple[float, float] | None = None
+    paper_range: tuple[float, ...] = ()
+    limits: tuple[float, ...] = ()
     config_suffix: str = ""
     config_factor: float = 1.0
 
     @property
     def config_key(self) -> str:
-        """Key of the range in the configuration, with its unit where that is not SI."""
+        """Key of the range in the configuration, with a suffix for a unit that is not SI."""
         return self.name + self.config_suffix
 
     @property
@@ -71,8 +72,8 @@ def _sampled(symbol, name, unit, paper_range, limits, suffix="", factor=1.0):
 _GIGA = 1e9
 _MILLI = 1e-3
 
-# Limits of restitution: the damping that gives exactly e grows without bound as e -> 0,
-# and the impact becomes too stiff for the step; see dem/damping.py.
+# Lower limit of the restitution: the damping for an exact rebound grows without bound for
+# e -> 0, and the impact becomes too stiff for the time step; see dem/damping.py.
 QUANTITIES: tuple[Quantity, ...] = (
     Quantity("X1", "particle_youngs_modulus", "Pa", "derived"),
     _sampled(
@@ -146,15 +147,15 @@ _BY_NAME = {q.name: q for q in QUANTITIES}
 
 
 def quantity(name: str) -> Quantity:
-    """Return the row of the table called ``name``; raises KeyError with the allowed names."""
+    """Return the row of the table with this name; raise KeyError with the known names if none."""
     try:
         return _BY_NAME[name]
     except KeyError:
-        raise KeyError(f"no quantity {name!r}; known are {', '.join(_BY_NAME)}") from None
+        raise KeyError(f"unknown quantity {name!r}; known: {', '.join(_BY_NAME)}") from None
 
 
 def check_value(name: str, value: float) -> str | None:
-    """Say in one line why ``value`` (in the table's unit) is impossible, or return None."""
+    """Return one line on why ``value`` (in the unit of the table) is invalid, or None."""
     row = quantity(name)
     if not isinstance(value, (int, float)) or isinstance(value, bool) or not math.isfinite(value):
         return f"{name} must be a finite number, got {value!r}"
@@ -165,7 +166,7 @@ def check_value(name: str, value: float) -> str | None:
 
 
 def wear_column(measure: str, statistic: str) -> str:
-    """Name of the depth rate of a wear measure and a statistic over the plate."""
+    """Return the column name of the wear depth rate for a wear measure and a statistic."""
     return f"wear_{measure}_{statistic}"
 
 

@@ -1,4 +1,4 @@
-"""Units that are understood beside our own, and values as text: "20 mm", "45deg", "-5 m/s"."""
+"""Accepted units of quantities, and values with units as text: "20 mm", "45deg", "-5 m/s"."""
 
 from __future__ import annotations
 
@@ -20,30 +20,35 @@ UNITS = {
     "mm/s": {"mm/s": 1.0, "m/s": 1e3, "um/s": 1e-3, "mm/h": 1.0 / 3600.0},
     "1": {"1": 1.0},
 }
-"""For each of our units those that are understood, and the factor to ours."""
+"""For each unit of `abradem.quantities`, the accepted units and their factors to it."""
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 
 
 def parse_value(name: str, text: str) -> float:
-    """The value of a quantity from text with or without a unit, in the quantity's own unit.
+    """Return the value of a quantity, in its own unit, from text with or without a unit.
 
     Parameters
     ----------
     name : str
         A quantity of `abradem.quantities`.
     text : str
-        Such as "20 mm"; without a unit it is the quantity's own.
+        For example "20 mm". A number without a unit is in the unit of the quantity.
+
+    Returns
+    -------
+    float
+        The value in the unit of the quantity.
 
     Raises
     ------
     ValueError
-        If it is no number or the unit is none of this quantity; one line.
+        If the text is not a number, or the unit is not accepted for this quantity.
     """
     own = quantity(name).unit
     found = _NUMBER.fullmatch(text)
     if not found:
-        raise ValueError(f"{name} = {text!r} is no number")
+        raise ValueError(f"{name} = {text!r} is not a number")
     number, unit = found.groups()
     unit = f"1{unit}" if unit.startswith("/") else unit
     if unit and unit not in UNITS[own]:

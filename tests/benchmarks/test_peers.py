@@ -1,4 +1,4 @@
-"""Other codes on our jets: the particles that they are given are ours, their logs are understood."""
+"""Benchmarks with other codes: they get the same particles, and their logs are parsed correctly."""
 
 import math
 from dataclasses import replace
@@ -11,7 +11,7 @@ from speed import particle
 
 from abradem import Setup, simulate
 
-# More particles than find room at once, so that some wait.
+# More particles than fit at once, so that some wait.
 CROWDED = Setup(
     plate_length=0.2, plate_width=0.2, patch_length=0.05, patch_width=0.05, fall_height=0.05,
     mass_rate=None, number_rate=600.0, duration=0.12,

@@ -1,4 +1,4 @@
-"""What a finished study cost, and how well it was guessed: figures worked out by hand."""
+"""Cost of a finished study and accuracy of its estimate, compared with hand calculations."""
 
 import sys
 from dataclasses import replace
@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def finished(tmp_path):
-    """A study of four jobs of 30 cases; each case took three times what is guessed."""
+    """A study of four jobs of 30 cases; each case took three times its estimate."""
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text(
         "study: made_up\nsampling: {blocks: 2, cases_per_block: 60}\n"
@@ -59,7 +59,7 @@ def finished(tmp_path):
 
 
 def test_the_figures_of_a_study_are_those_of_its_tables(finished, monkeypatch, capsys):
-    # What another study's jobs left in the folder is not counted.
+    # Jobs of another study in the folder are not counted.
     stale = finished / "benchmarks" / "cases" / "block-000-batch-002.parquet"
     write_table(pd.DataFrame({"case_id": [1], "processor_time": [1e6]}), stale)
     monkeypatch.setattr(sys, "argv", ["study.py", str(finished)])

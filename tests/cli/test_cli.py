@@ -1,4 +1,4 @@
-"""The command line: one case again, a configuration checked, one line for whatever is wrong."""
+"""Command line: repeating a case, checking a configuration, one line for each error."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def config():
 
 @pytest.fixture
 def study(tmp_path, config):
-    """Return a folder of results as the workflow leaves it after sampling; case 8 is rejected."""
+    """Return a folder of results as after sampling; case 8 is rejected."""
     folder = tmp_path / "results" / "smoke"
     folder.mkdir(parents=True)
     (folder / "config.yaml").write_text(to_yaml(config))
@@ -46,7 +46,7 @@ def study(tmp_path, config):
 
 @pytest.fixture
 def simulated(monkeypatch):
-    """Put a straight line in place of the engine and record what it was asked for."""
+    """Replace the engine by a straight line and record its arguments."""
     asked = []
 
     def simulate(case, setup, *args, **kwargs):
@@ -132,7 +132,7 @@ def test_unknown_case_is_one_line(study, simulated, capsys):
 
 def test_missing_folder_is_one_line(tmp_path, capsys):
     assert main(["simulate", "--study", str(tmp_path / "none"), "--case", "0"]) == 2
-    assert one_line(capsys).endswith("there is no such folder; give one such as results/paper")
+    assert one_line(capsys).endswith("there is no such folder; expected one such as results/paper")
 
 
 def test_folder_without_configuration_is_one_line(tmp_path, capsys):
@@ -143,7 +143,7 @@ def test_folder_without_configuration_is_one_line(tmp_path, capsys):
 def test_folder_without_cases_is_one_line(tmp_path, config, capsys):
     (tmp_path / "config.yaml").write_text(to_yaml(config))
     assert main(["simulate", "--study", str(tmp_path), "--case", "0"]) == 2
-    assert "holds no block-*.parquet" in one_line(capsys)
+    assert "has no block-*.parquet" in one_line(capsys)
 
 
 def test_corrupt_table_of_cases_is_one_line(study, capsys):
@@ -174,9 +174,9 @@ def test_an_error_of_the_program_itself_is_not_hidden(study, monkeypatch):
         (["simulate", "--case", "1"], "the following arguments are required: --study"),
         (["simulate", "--study", "x", "--case", "one"], "argument --case: invalid int value"),
         (["simulate", "--study", "x", "--case", "1", "--interval", "-1"],
-         "argument --interval: '-1' is no positive number"),
+         "argument --interval: '-1' is not a positive number"),
         (["simulate", "--study", "x", "--case", "1", "--interval", "nan"],
-         "argument --interval: 'nan' is no positive number"),
+         "argument --interval: 'nan' is not a positive number"),
     ],
 )  # fmt: skip
 def test_wrong_arguments_are_one_line(arguments, message, capsys):

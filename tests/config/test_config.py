@@ -1,5 +1,5 @@
 # ruff: noqa: E501  (each expected line is the one that the user sees)
-"""The configuration: files in the repository, every kind of mistake, handing on."""
+"""The configuration: files in the repository, every kind of error, conversion of values."""
 
 from __future__ import annotations
 
@@ -51,15 +51,15 @@ MALFORMED = {
     ),
     "columns_without_a_table": (
         "study: a\ndataset:\n  columns: {plate_angle: slope}\n",
-        'config.yaml: dataset.columns: {plate_angle: "slope"}: needs the table it is about, dataset.external',
+        'config.yaml: dataset.columns: {plate_angle: "slope"}: requires a table in dataset.external',
     ),
     "column_that_is_no_name": (
         "study: a\ndataset:\n  external: t.csv\n  columns: {plate_angle: 3}\n",
-        "config.yaml: dataset.columns: {plate_angle: 3}: plate_angle: must be a column's name, or [name, unit] (allowed {name: column} or {name: [column, unit]})",
+        "config.yaml: dataset.columns: {plate_angle: 3}: plate_angle: must be a column name, or [column, unit] (allowed {name: column} or {name: [column, unit]})",
     ),
     "columns_that_are_a_list": (
         "study: a\ndataset:\n  external: t.csv\n  columns: [slope]\n",
-        'config.yaml: dataset.columns: ["slope"]: must be a section of our names and the table\'s (allowed {name: column} or {name: [column, unit]})',
+        'config.yaml: dataset.columns: ["slope"]: must map names of quantities to columns of the table (allowed {name: column} or {name: [column, unit]})',
     ),
     "external_that_is_no_path": (
         "study: a\ndataset:\n  external: 3\n",
@@ -83,11 +83,11 @@ MALFORMED = {
     ),
     "duplicate_key": (
         "study: a\nsampling:\n  blocks: 2\n  method: lhs\n  blocks: 3\n",
-        "config.yaml: sampling.blocks: 3: given twice, on lines 3 and 5; a key may stand only once",
+        "config.yaml: sampling.blocks: 3: given twice, on lines 3 and 5; a key may be given only once",
     ),
     "duplicate_section": (
         "study: a\nsampling:\n  blocks: 2\nsampling:\n  method: lhs\n",
-        'config.yaml: sampling: {method: "lhs"}: given twice, on lines 2 and 4; a key may stand only once',
+        'config.yaml: sampling: {method: "lhs"}: given twice, on lines 2 and 4; a key may be given only once',
     ),
     "whole_number_in_quotes": (
         'study: a\nseed: "7"\n',
@@ -187,19 +187,19 @@ MALFORMED = {
     ),
     "empty_file": (
         "",
-        "config.yaml: the file is empty; it must hold keys, such as study",
+        "config.yaml: the file is empty; it must contain keys, such as study",
     ),
     "nothing_but_comments": (
         "# nothing\n",
-        "config.yaml: the file is empty; it must hold keys, such as study",
+        "config.yaml: the file is empty; it must contain keys, such as study",
     ),
     "list_instead_of_keys": (
         "- study\n",
-        'config.yaml: holds ["study"], not keys; it must begin with a key, such as study',
+        'config.yaml: contains ["study"], not keys; it must begin with a key, such as study',
     ),
     "word_instead_of_keys": (
         "paper\n",
-        'config.yaml: holds "paper", not keys; it must begin with a key, such as study',
+        'config.yaml: contains "paper", not keys; it must begin with a key, such as study',
     ),
     "not_utf8": (
         b"study: a # \xe9\n",
@@ -219,15 +219,15 @@ MALFORMED = {
     ),
     "study_leaves_the_results_folder": (
         "study: ../../etc\n",
-        'config.yaml: study: "../../etc": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
+        'config.yaml: study: "../../etc": has the wrong form (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
     ),
     "study_with_odd_characters": (
         "study: my study!\n",
-        'config.yaml: study: "my study!": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
+        'config.yaml: study: "my study!": has the wrong form (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
     ),
     "hidden_study": (
         "study: .hidden\n",
-        'config.yaml: study: ".hidden": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
+        'config.yaml: study: ".hidden": has the wrong form (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
     ),
     "study_is_a_number": (
         "study: 2024\n",
@@ -343,7 +343,7 @@ MALFORMED = {
     ),
     "two_problems": (
         "study: a b\nseed: -1\n",
-        'config.yaml: study: "a b": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)\nconfig.yaml: seed: -1: is out of range (allowed 0 ... 9223372036854775807)',
+        'config.yaml: study: "a b": has the wrong form (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)\nconfig.yaml: seed: -1: is out of range (allowed 0 ... 9223372036854775807)',
     ),
     "seed_beyond_64_bits": (
         "study: a\nseed: 99999999999999999999\n",
@@ -359,7 +359,7 @@ MALFORMED = {
     ),
     "long_value_is_cut": (
         "study: " + "a" * 100 + "\n",
-        'config.yaml: study: "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa ...: is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
+        'config.yaml: study: "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa ...: has the wrong form (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)',
     ),
     "merge_key": (
         "study: a\n<<: {seed: 3}\n",
@@ -383,7 +383,7 @@ MALFORMED = {
     ),
     "template_that_would_run_code": (
         "__use_yte__: true\nstudy: ?open('x', 'w')\n",
-        """config.yaml: study: "?open('x', 'w')": is no name for a folder (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)\nconfig.yaml: __use_yte__: true: unknown key (allowed study, seed, sampling, simulation, wear_rate, dataset, features, learning, figures, publish)""",
+        """config.yaml: study: "?open('x', 'w')": has the wrong form (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)\nconfig.yaml: __use_yte__: true: unknown key (allowed study, seed, sampling, simulation, wear_rate, dataset, features, learning, figures, publish)""",
     ),
     "more_cases_than_there_is_time_for": (
         "study: a\nsampling:\n  blocks: 10000\n  cases_per_block: 100000\n",
@@ -411,7 +411,7 @@ MALFORMED = {
     ),
     "table_that_the_study_itself_writes": (
         "study: a\ndataset:\n  external: results/a/dataset.parquet\n",
-        'config.yaml: dataset.external: "results/a/dataset.parquet": is a result of this very study (allowed: a file elsewhere, or another study)',
+        'config.yaml: dataset.external: "results/a/dataset.parquet": is a result of this study itself (allowed: a file elsewhere, or another study)',
     ),
     "number_beyond_double_precision": (
         "study: a\nsimulation:\n  gravity: 1" + "0" * 400 + "\n",
@@ -496,7 +496,7 @@ def test_duplicate_keys_are_found_in_what_was_merged_already(write):
         ({"blocks": 3},
          "command line: blocks: 3: unknown key here, did you mean sampling.blocks?"),
         ({"study": "../up"},
-         'command line: study: "../up": is no name for a folder (allowed letters, digits, _ and -, '
+         'command line: study: "../up": has the wrong form (allowed letters, digits, _ and -, '
          "beginning with a letter or digit, at most 64)"),
     ],
 )  # fmt: skip
@@ -509,7 +509,7 @@ def test_problem_of_the_command_line_is_named_so(write, given, line):
 
 
 def test_nested_values_of_the_command_line_are_numbers_again(write):
-    # Snakemake hands over --config sampling='{blocks: 3, ranges: {restitution: [0.3, 0.5]}}' so.
+    # As Snakemake passes --config sampling='{blocks: 3, ranges: {restitution: [0.3, 0.5]}}'.
     name = write("study: a\nsampling:\n  blocks: 2\n")
     given = {
         "sampling": {"blocks": "3", "ranges": {"restitution": ["0.3", "0.5"]}},
@@ -539,7 +539,7 @@ def test_overlay_is_merged_deeply_and_lists_are_replaced(write):
 
 
 def test_config_yaml_is_the_default_of_every_key():
-    # So the comments in config.yaml and the help texts describe the same study.
+    # Then the comments in config.yaml and the help texts describe the same study.
     assert read_config(CONFIG) == Config(study="paper")
     assert read_config(CONFIG).model_dump(mode="json") == yaml.safe_load(CONFIG.read_text())
 
@@ -659,7 +659,7 @@ def test_estimate_is_one_line_that_counts_cases_blocks_and_jobs():
 
 
 def test_the_estimate_adds_up_cases_and_starts_of_jobs():
-    """Where no bed forms a case takes its particles times a constant, which `cost` states."""
+    """Without a bed the time of a case is its number of particles times the constant of `cost`."""
 
     def told(**changes):
         study = {

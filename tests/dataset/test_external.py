@@ -1,4 +1,4 @@
-"""A user's table: understood, checked, refused in one line for each problem."""
+"""External tables: reading, checking, and one line for each problem."""
 
 import os
 
@@ -54,7 +54,7 @@ def test_derived_columns_are_taken_as_they_stand(published):
     table.assign(**{name: rounded}).to_csv(path, index=False)
     found = read_external(path)
     np.testing.assert_array_equal(found["equipment_youngs_modulus"], rounded)
-    # What follows from it follows from what stands there.
+    # Derived features are computed from the values in the table.
     exact = derive(drawn(30))["effective_youngs_modulus"]
     assert 0.0 < np.abs(found["effective_youngs_modulus"] / exact - 1.0).max() < 0.01
 

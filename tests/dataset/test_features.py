@@ -1,4 +1,4 @@
-"""Derived features against values worked out by hand."""
+"""Derived features compared with hand calculations."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The join of cases, rates and runs, and what a data set must fulfil."""
+"""The join of cases, rates and runs, and the requirements on a data set."""
 
 import numpy as np
 import pandas as pd

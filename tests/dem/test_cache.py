@@ -1,4 +1,4 @@
-"""An edit of the engine really changes results, although compiled kernels are kept on disk."""
+"""An edit of the engine takes effect although compiled kernels are cached on disk."""
 
 import os
 import shutil
@@ -32,7 +32,7 @@ def test_an_edited_callee_in_another_file_is_really_used(tmp_path):
     shutil.copytree(Path(abradem.__file__).parent, package)
     assert answer(tmp_path, cache) == "True"
     compiled = len(list(cache.glob("kernels-*")))
-    # The caller stands in factory.py; its callee says that the plate is nearer than it is.
+    # The caller is in factory.py; the edited callee returns a smaller distance to the plate.
     source = package / "dem" / "plate.py"
     text = source.read_text()
     assert text.count("return height, (-plate.sin, plate.cos, 0.0)") == 1

@@ -1,4 +1,4 @@
-"""The cache of compiled kernels: many processes at once, damaged files, folders of others."""
+"""The cache of compiled kernels: concurrent processes, damaged files, folders of other users."""
 
 import os
 import subprocess
@@ -35,7 +35,7 @@ ANSWER = "6 7.0 3.0 2.0 4.5"
 
 
 def ask(folder, turn=0):
-    # numba keeps the code of functions that stand in files.
+    # numba caches only functions that are defined in files.
     question = folder / "question.py"
     if not question.exists():
         question.write_text(QUESTION)
@@ -64,7 +64,7 @@ def test_many_processes_may_fill_a_fresh_cache_at_once(tmp_path):
 
 
 def test_damaged_files_of_the_cache_cost_a_compilation_only(tmp_path):
-    """As a machine leaves them that lost its power."""
+    """Files as after a power failure."""
     assert answers([ask(tmp_path)]) == {ANSWER}
     for content, suffix in ((b"", ".nbc"), (b"\x80\x04damaged", ".nbi")):
         for path in files(tmp_path):

@@ -1,4 +1,4 @@
-"""Converged single impacts: every law that has a closed form, each by its name."""
+"""Converged single impacts compared with every law that has a closed form."""
 
 import math
 
@@ -142,7 +142,7 @@ def test_an_oblique_pair_keeps_linear_and_angular_momentum():
     angular = (np.cross(position, velocity, axis=1) + inertia * spin).sum(axis=0)
     assert np.abs(velocity[0, :, -1] - velocity[0, :, 0]).max() > 0.5
     np.testing.assert_allclose(linear, np.zeros_like(linear), atol=1e-12)
-    # The lever arms add up to the distance of the centres: no angular momentum is made.
+    # The lever arms add up to the distance of the centres: angular momentum is conserved.
     np.testing.assert_allclose(angular[:, -1], angular[:, 0], rtol=0.0, atol=1e-12)
 
 
@@ -205,7 +205,7 @@ def test_rolling_resistance_stops_at_standstill():
     assert scene.impact(SPEED, 60.0).spin[2] == 0.0
 
 
-# Books
+# Balances
 
 
 @pytest.mark.parametrize("tangential", ["incremental", "displacement"])
@@ -261,7 +261,7 @@ def test_measures_per_kinetic_energy_are_similar(speed, radius, density, stiffer
         assert two.spin[2] * radius / speed == pytest.approx(one.spin[2] * 0.01 / SPEED, rel=1e-7)
 
 
-# The choices that documented laws leave open
+# Options that the documented laws leave open
 
 
 @pytest.mark.parametrize(
@@ -312,7 +312,7 @@ def test_default_step_biases_total_as_documented(fraction, angle, documented):
 
 @pytest.mark.parametrize("angle", [30.0, 60.0])
 def test_an_oblique_impact_matches_an_independent_integration(angle):
-    """The written law in plain Python with tiny explicit steps; nothing of the engine.
+    """The published law in plain Python with very small explicit steps, independent of the engine.
 
     Default law, e = 0.5, mu = 0.45, no rolling friction. `total` at 30 degrees is 0.187 m v^2 with
     the nominal damping in the tangent, as written, and would be 0.172 with the corrected one.

@@ -1,4 +1,4 @@
-"""Stepping by islands against conventional stepping: the same bits, whatever happens."""
+"""Stepping by islands gives bit-identical results to conventional stepping."""
 
 import dataclasses
 import math
@@ -20,7 +20,7 @@ SMALL = Setup(plate_length=0.08, plate_width=0.06, removal_depth=0.05)
 
 
 def particles_of(state):
-    """Identity, place, velocity, spin and kind of motion of all present, by identity."""
+    """Identity, position, velocity, spin and kind of motion of all particles, by identity."""
     live = state.particles[: int(state.tally["live"][0])]
     present = np.sort(live[live["motion"] != GONE], order="identity")
     names = ["identity", "motion", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz"]
@@ -51,7 +51,7 @@ def run_both(case, setup, steps, releases=None, pieces=1, capacity=1024):
 
 
 def apart(places, radius):
-    """Keep the places that overlap none before them."""
+    """Keep the positions that overlap no previous one."""
     kept = []
     for place in places:
         if all(math.dist(place, other) > 2.0 * radius * (1 + 1e-12) for other in kept):
@@ -90,7 +90,7 @@ def test_a_chain_passes_a_blow_on_to_the_particle_at_its_end(gap):
     places = [(k * (2.0 * radius + gap), 0.3, 0.0) for k in range(12)]
     places = [(-0.1, 0.3, 0.0), *places]
     velocities = [(12.0, 0.0, 0.0)] + [(0.0, 0.0, 0.0)] * 12
-    # Released a hair apart at the closest, so that none overlaps from the start.
+    # Released with small gaps, so that no particles overlap at the start.
     places = [(x * (1 + 1e-12), y, z) for x, y, z in places]
     state, _ = run_both(CASE, SMALL, 5000, ([0.0] * 13, places, velocities), pieces=5)
     last = np.sort(state.particles[:13], order="identity")[-1]
@@ -98,14 +98,14 @@ def test_a_chain_passes_a_blow_on_to_the_particle_at_its_end(gap):
 
 
 def test_a_particle_that_gains_speed_from_spin_raises_the_speed_limit():
-    """Spin becomes speed beyond what any flight could reach; the limit must follow."""
+    """Spin is converted to a speed that no flight could reach; the limit must be raised."""
     setup = dataclasses.replace(SMALL, plate_length=0.3, removal_depth=0.02)
     places, speeds = [(0, 0.0101, 0), (0.0305, 0.011, 0)], [(0, -0.5, 0), (0, 0, 0)]
     case = dataclasses.replace(CASE, plate_angle=0.0, static_friction=2.0, restitution=0.8)
     flying = math.sqrt(0.5**2 + 2 * 9.81 * 0.05)
     releases = ([0.0, 0.0], places, speeds, [(0, 0, -3000.0), (0, 0, 0)])
     _, agenda = run_both(case, setup, 4000, releases, pieces=20)
-    # 1.2 is what a new limit leaves to spare.
+    # A new limit has a margin of 1.2.
     assert agenda.clock["limit"][0] > 1.2 * flying
 
 
@@ -212,7 +212,7 @@ def test_the_first_time_within_is_that_of_a_fine_search(x, v, a, start):
         assert found <= times[inside[0]] + 1e-9
         assert abs(x + v * found + 0.5 * a * found**2) <= half * (1 + 1e-9) + 1e-12
     else:
-        # What a fine search misses is a graze.
+        # Contacts missed by a fine search are grazing.
         assert found > start + 2.9 or found == np.inf or _is_graze(x, v, a, half, found)
 
 

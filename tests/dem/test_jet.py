@@ -1,4 +1,4 @@
-"""A jet on a plate: feed, removal, balances, guards, and results that depend on nothing else."""
+"""A jet on a plate: feed, removal, balances, limits, and reproducibility."""
 
 import math
 from dataclasses import replace
@@ -9,7 +9,7 @@ import pytest
 from abradem import simulate
 from abradem.dem import samples, synchronous
 from abradem.dem.counter_random import uniform
-from abradem.dem.energy import energy_book
+from abradem.dem.energy import energy_balance
 from abradem.dem.model import Interaction
 from abradem.dem.samples import make_record
 from abradem.dem.simulation import FIRST_CAPACITY
@@ -34,7 +34,7 @@ SHORT = JET.setup(duration=1.0, sample_interval=0.1, mass_rate=4.0)
 
 
 class Witness:
-    """Recorder that looks at the state without keeping it."""
+    """Recorder that reads the state without storing it."""
 
     def __init__(self, look, interval):
         self.look, self.interval = look, interval
@@ -164,7 +164,7 @@ def test_mechanical_energy_is_never_gained(phi):
     lost = []
 
     def look(_, problem, state):
-        lost.append(energy_book(problem, state)["dissipated"])
+        lost.append(energy_balance(problem, state)["dissipated"])
 
     simulate(replace(CASE, plate_angle=phi), SHORT, recorder=Witness(look, 1e-3))
     steps = np.diff(lost)
@@ -204,7 +204,7 @@ def test_measures_are_ordered(jet):
     assert total > sliding > 0.0
 
 
-# Results depend on the case alone
+# Results depend only on the case
 
 
 def test_the_same_case_gives_the_same_bits(jet):
@@ -324,7 +324,7 @@ def test_many_samples_in_one_call_are_those_taken_one_by_one(stepping):
 
 
 def test_a_guard_ends_a_call_at_its_sample():
-    """Particles that turn to no numbers between samples, in one call for many."""
+    """Particles that become nan between samples, within one call for many steps."""
     problem, schedule = make_problem(CASE, SHORT)
     state, record = make_state(problem, 256), make_record(50)
     take = samples.take_samples
@@ -342,7 +342,7 @@ def test_a_gain_of_energy_ends_a_call_at_its_sample():
     assert take(problem, schedule, state, None, 500, 0, 20, record) == (20, DONE)
     state.particles["wz"][: state.tally["live"][0]] += 1000.0
     assert take(problem, schedule, state, None, 500, 20, 50, record) == (20, STOP_ENERGY_GAIN)
-    assert record.book["gained"][0] > 0.02
+    assert record.balance["gained"][0] > 0.02
 
 
 # The stop rule
@@ -356,14 +356,14 @@ def test_particles_present_are_those_released_and_not_removed(jet):
 
 
 def test_a_case_whose_particles_still_change_goes_on():
-    """Large particles on a level plate without rolling friction to leave it by: they only gather."""
+    """Large particles on a level plate that they do not leave: their number only grows."""
     setup = JET.setup(
         window=1.0, max_time=4.0, target_stderr=0.5, plate_length=3.0, plate_width=3.0
     )
     filling = simulate(replace(CASE, plate_angle=0.0), setup)
     assert filling.present[-1] > 0.5 * filling.released
     assert not filling.settled and filling.simulated_time == pytest.approx(4.0, rel=0.01)
-    # It has a rate and a window all the same, for the flag to say what they are worth.
+    # It still has a rate and a window, which the flag marks as unreliable.
     assert math.isfinite(filling.steady_from) and np.isfinite(filling.facet_wear).all()
     leaving = simulate(replace(CASE, plate_angle=60.0), setup)
     assert leaving.settled and leaving.simulated_time < 3.0

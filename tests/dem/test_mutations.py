@@ -1,4 +1,4 @@
-"""The tests bite: an error planted into a copy of the engine makes a named check fail."""
+"""Mutation tests: an error inserted into a copy of the engine makes a named check fail."""
 
 import pytest
 from planted_errors import ERRORS, caught

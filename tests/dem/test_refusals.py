@@ -1,4 +1,4 @@
-"""What cannot be simulated is refused by name; what can be, however odd, has a right answer."""
+"""Invalid cases are refused with the name of the quantity; unusual valid cases are correct."""
 
 import dataclasses
 import math
@@ -38,7 +38,7 @@ def setup(**values):
         ({}, {"sample_interval": 1e-9, "duration": 50.0}, "samples in 50 s; at most 100000"),
         ({"plate_angle": 91.0}, {}, "plate_angle = 91.0"),
         ({"static_friction": -0.1}, {}, "static_friction = -0.1"),
-        ({"static_friction": 5e-324}, {}, "static_friction = 5e-324 must be 0 or from 1e-9 on"),
+        ({"static_friction": 5e-324}, {}, "static_friction = 5e-324 must be 0 or at least 1e-9"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_simulated_is_refused_by_name(odd_case, odd_setup, words):
@@ -76,16 +76,16 @@ def test_more_particles_than_there_is_room_for_end_the_case(monkeypatch):
 
 @pytest.mark.parametrize("rate", [{"mass_rate": 1e-300}, {"mass_rate": None, "number_rate": 1e-20}])
 def test_a_feed_too_small_for_a_particle_releases_none(rate):
-    """The step at which the first is due does not fit an integer."""
+    """The step number of the first release does not fit an integer."""
     result = simulate(CASE, setup(**rate))
     assert result.status == "ok" and result.released == 0 and result.worn[-1].max() == 0.0
 
 
-# Odd but possible
+# Unusual but valid
 
 
 def vertical_drop(**values):
-    """A jet without friction onto a level plate, far between particles."""
+    """A dilute jet without friction onto a level plate."""
     return simulate(
         case(plate_angle=0.0, static_friction=0.0, rolling_friction=0.0, **values),
         setup(mass_rate=None, number_rate=5.0, patch_length=1e-9, patch_width=1e-9),
@@ -101,9 +101,9 @@ def test_without_friction_a_vertical_impact_wears_nothing():
 def test_an_elastic_case_loses_no_energy():
     """e = 1 and no friction: what came in is there or has left, to 1e-3 of the motion."""
     result = vertical_drop(restitution=1.0)
-    book = result.energy
+    balance = result.energy
     assert result.status == "ok"
-    assert abs(book["dissipated"]) < 1e-3 * book["inserted"]
+    assert abs(balance["dissipated"]) < 1e-3 * balance["inserted"]
 
 
 def test_without_friction_all_measures_are_the_distance_under_load():
@@ -116,7 +116,7 @@ def test_without_friction_all_measures_are_the_distance_under_load():
 def test_a_plate_on_edge_is_met_on_its_edge_alone():
     result = simulate(case(plate_angle=90.0), SETUP)
     assert result.status == "ok" and result.face_share == 0.0 and result.edge_share > 0.0
-    # The same with the other end up.
+    # The same for a plate on its other edge.
     mirrored = simulate(case(plate_angle=-90.0), SETUP)
     assert mirrored.face_share == 0.0
 

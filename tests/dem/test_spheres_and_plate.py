@@ -1,4 +1,4 @@
-"""Spheres on a plate: motions with a known outcome, the plate's edges, and a naive twin."""
+"""Spheres on a plate: motions with known results, plate edges, and a reference implementation."""
 
 import math
 from fractions import Fraction
@@ -142,7 +142,7 @@ def test_a_tilted_plate_is_a_tilted_world():
     np.testing.assert_allclose(outcomes[1], outcomes[0], rtol=1e-8)
 
 
-# Naive twins
+# Reference implementations
 
 
 def test_the_pair_list_holds_the_pairs_of_all_with_all():
@@ -152,7 +152,7 @@ def test_the_pair_list_holds_the_pairs_of_all_with_all():
     for count, box in ((2, 0.03), (60, 0.1), (300, 0.16), (300, 2.0)):
         state = make_state(problem, count)
         positions = rng.uniform(-box, box, (count, 3))
-        # As many as fit into the list: equal spheres overlap little.
+        # As many as the list can hold: equal spheres overlap little.
         kept = []
         for position in positions:
             if all(math.dist(position, other) > 1.8 * scene.radius for other in kept):
@@ -190,7 +190,7 @@ def test_a_particle_far_away_or_nowhere_hides_no_pair(far):
 
 
 def test_an_old_pair_list_misses_no_contact():
-    """A list made again in every step gives the same bits as one that waits for the drift."""
+    """Rebuilding the list in every step gives the same bits as rebuilding it after enough drift."""
     scene = Scene(interaction=Interaction(0.5, 0.45, 0.05))
     case = scene.case(plate_angle=4.0, particle_velocity_y=-5.0)
     setup = Setup(number_rate=4000.0, mass_rate=None, fall_height=0.1)

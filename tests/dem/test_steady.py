@@ -1,4 +1,4 @@
-"""The transient is found and the error of the rate is leakage-free, on series whose truth is known."""
+"""The transient and the standard error of the rate are correct for series with known values."""
 
 import numpy as np
 import pytest
@@ -51,7 +51,7 @@ def test_a_drifting_series_is_not_called_settled():
 
 
 def bed(rng, until, filled=9.0, empty=400.0, full=750.0, shielded=0.5):
-    """Record of a bed that fills until ``filled``, slowly at first, and shields the plate."""
+    """Series of a bed that fills until ``filled``, slowly at first, and shields the plate."""
     time, worn = series(rng, rate=3000.0, until=until)
     share = np.clip(time / filled, 0.0, 1.0) ** 2
     present = empty + (full - empty) * share + 10.0 * np.sin(3.0 * time)
@@ -69,7 +69,7 @@ def test_a_bed_that_fills_is_not_steady_before_it_is_full():
 
 
 def test_particles_present_show_what_the_wear_hides():
-    # The wear alone, of a bed that fills but does not shield yet, is steady.
+    # The wear of a bed that fills but does not yet shield the plate is steady.
     time, worn, present = bed(np.random.default_rng(8), 8.0, filled=8.0, shielded=0.0)
     assert steady_start(time, worn).settled
     assert not steady_part(time, worn, present, 5.5).settled
@@ -99,7 +99,7 @@ def test_the_later_of_two_transients_counts():
     rng = np.random.default_rng(16)
     time, _ = series(rng)
     noise = 0.02 * rng.normal(size=(2, time.size))
-    # The particles still change when the wear has settled, and the other way round.
+    # The number of particles still changes after the wear has settled, and vice versa.
     for wear_ends, bed_ends in ((2.0, 6.0), (6.0, 4.0)):
         worn = integral(time, np.where(time < wear_ends, 3.0, 1.0) + noise[0])
         growing = np.where(time < bed_ends, 200.0, 400.0) * (1.0 + noise[1])
@@ -127,7 +127,7 @@ def test_a_late_transient_is_found_while_the_window_remains():
 
 
 def test_a_drop_after_the_half_is_no_steady_state():
-    # The truncation rule alone does not see it: dropping half of the record gains nothing.
+    # The truncation rule alone does not detect it: dropping half of the series gains nothing.
     time = np.arange(0.0, 10.01, 0.02)
     noise = np.random.default_rng(15).normal(size=time.size)
     worn = integral(time, np.where(time < 7.0, 2.0, 1.0) + 0.1 * noise)
@@ -166,7 +166,7 @@ def test_a_late_search_is_never_shorter_than_the_half(until, window, noise):
 
 
 def test_short_windows_leave_enough_to_judge_by():
-    """A drift is none that ends with its last few bins."""
+    """A change in the last few bins only is not a drift."""
     time = np.arange(0.0, 9.01, 0.02)
     for seed in range(30):
         noise = 0.1 * np.random.default_rng(seed).normal(size=time.size)

@@ -1,4 +1,4 @@
-"""Fused products and sums against exact fractions, and the vectors made of them against numpy."""
+"""Fused operations compared with exact fractions, and vector functions compared with numpy."""
 
 from fractions import Fraction
 
@@ -28,7 +28,7 @@ def numbers(count):
 def test_a_product_and_a_sum_are_rounded_once():
     for a, b, c in numbers(500):
         assert fused_by_kernel(a, b, c) == fused(a, b, c)
-        # What is left of a product and its rounded self is its rounding error, exactly.
+        # A product minus its rounded value is exactly the rounding error.
         assert fused_by_kernel(a, b, -(a * b)) == float(Fraction(a) * Fraction(b) - Fraction(a * b))
 
 

@@ -1,4 +1,4 @@
-"""Figures of the models: fit to print, protocols named, all models and features shown."""
+"""Figures of the paper's models: print quality, named protocols, all models and features shown."""
 
 import numpy as np
 import pandas as pd
@@ -26,7 +26,7 @@ from abradem.learning.rows import learning_table
 
 
 class Learned:
-    """All stages on one table."""
+    """Results of all baselines on one table."""
 
     def __init__(self, rows):
         frame = product_law(rows)

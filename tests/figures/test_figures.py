@@ -1,4 +1,4 @@
-"""Figures: finite data, units on labels, nothing clipped or missing, the same bytes each time."""
+"""Figures: finite data, units in labels, nothing clipped or missing, reproducible bytes."""
 
 import numpy as np
 import pandas as pd

@@ -113,7 +113,7 @@ def inside(image):
 def test_a_sphere_is_a_disc_of_its_radius():
     image = picture(CAMERA, FAR, np.array([[0.0, 0.0, 1.0]]), 0.2, finer=1)
     area = inside(image).sum()
-    # Seen from 4 m, a sphere shows the radius of its silhouette's cone.
+    # From 4 m, the outline of a sphere has the radius of its tangent cone.
     radius = 0.2 / np.sqrt(1.0 - (0.2 / 4.0) ** 2) * 80 * 5.0 / 4.0
     assert area == pytest.approx(np.pi * radius**2, rel=0.03)
 
@@ -406,7 +406,7 @@ def test_frames_of_the_film_share_one_scale_and_the_wear_grows():
     assert worn[1][2] - worn[1][0] < worn[0][2] - worn[0][0]
 
 
-# The list
+# The catalogue
 
 
 ROOT = Path(__file__).parents[2]
@@ -414,7 +414,7 @@ RULES = (ROOT / "workflow" / "rules" / "figures.smk").read_text()
 
 
 def named_figures():
-    """Figures that the rules make."""
+    """Names of the figures made by rules."""
     return re.findall(r'figure_files\("(\w+)"\)', RULES)
 
 

@@ -1,4 +1,4 @@
-"""Figures of the models on dimensionless groups: fit to print, everything shown."""
+"""Figures of the models on dimensionless groups: print quality, complete content."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Figures of the engine: every number is shown, contacts too short to see included."""
+"""Performance figures: all values are shown, including very short contacts."""
 
 import numpy as np
 import pandas as pd
@@ -48,7 +48,7 @@ def test_cost_shows_every_code_at_every_angle_on_common_axes(counts):
             np.testing.assert_allclose(line.get_ydata(), cost * line.get_xdata())
     assert len(scenarios.lines) == 4
     words = texts(figure)
-    assert "45°" in words and "LAMMPS" in words and "ours, islands" in words
+    assert "45°" in words and "LAMMPS" in words and "abradem, islands" in words
     assert_fit_to_print(figure)
 
 

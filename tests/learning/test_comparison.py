@@ -1,4 +1,4 @@
-"""All models side by side, and beside what was printed."""
+"""Comparison of all models with each other and with the printed scores."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""Which rows train and test, as published and inside the training rows."""
+"""Training and test rows of both protocols, and folds inside the training rows."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def test_too_few_rows_cannot_be_cross_validated():
 
 
 def predicted(frame, protocol):
-    """Test rows of the first split: case number, and what each of the cheap models predicts."""
+    """Test rows of the first split: case number, and the predictions of the cheap models."""
     quick = {"repeats": 1, "seed": 1, "fold_count": 3}
     table = learning_table(frame)
     parts = [
@@ -70,5 +70,5 @@ def test_leakage_free_models_learn_nothing_from_test_rows_and_published_ones_do(
             model for model in first if not first[model][rest].equals(second[model][rest])
         }
     assert changed[LEAKAGE_FREE] == set()
-    # All but the tree, which is not with_scalers, see the test rows in their scalers.
+    # All models except the tree use the test rows through their scalers.
     assert {"lasso", "ridge", "pca"} <= changed[AS_PUBLISHED]

@@ -1,4 +1,4 @@
-"""Scores and splits against their definitions."""
+"""Scores and splits compared with their definitions."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""A published folder holds what it says, says what it holds, and opens in the public readers."""
+"""The published folder: contents agree with the descriptors, and public readers open it."""
 
 import hashlib
 import json
@@ -23,7 +23,7 @@ BLOCKS, ROWS = 3, 4
 
 
 def tables():
-    """The tables of a study of three blocks of four cases, by their places."""
+    """The tables of a study with three blocks of four cases, by path."""
     rows = product_law(BLOCKS * ROWS).assign(
         block=np.repeat(np.arange(BLOCKS), ROWS), seed=1, status="ok", quality="ok",
         steady_from=0.5, simulated_time=5.5, delivered_rate=4.0, face_share=1.0, wear_r2=1.0,
@@ -42,7 +42,7 @@ def tables():
 
 
 class Results:
-    """A study's folder and what is published of it."""
+    """The results of a study and its published folder."""
 
     def __init__(self, root):
         self.root, self.folder = root, root / "publish"
@@ -94,7 +94,7 @@ def made(tmp_path_factory):
 
 def test_the_crate_lists_every_file_with_its_hash_and_size(made):
     described = json.loads(made.published()["ro-crate-metadata.json"])
-    # The context of RO-Crate 1.1 lacks the term.
+    # The context of RO-Crate 1.1 does not define the term.
     assert described["@context"][1] == {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
     graph = described["@graph"]
     listed = {entity["@id"]: entity for entity in graph if entity["@type"] == "File"}
@@ -137,7 +137,7 @@ def test_the_card_names_every_column_range_licence_and_author(made):
         "0.005 | 0.04 |",
         "CC-BY-4.0",
         "Ada, Bo (2026)",
-        "12 cases of 13 drawn",
+        "12 of 13 sampled cases",
         "**Beds.**",
         "no wear",
     ):
@@ -169,7 +169,7 @@ def test_the_crate_is_read_back(made):
     assert len(crate.data_entities) == len(made.published()) - 1
 
 
-# The parts by block, in every reader at once: the rows and their blocks are those of the whole.
+# Every reader gets the same rows and blocks from the parts as from the whole table.
 
 
 def whole(made):

@@ -1,4 +1,4 @@
-"""Tables and numbers for LaTeX: no number differs from the place that it names."""
+"""Tables and numbers for LaTeX: every number agrees with the source that it states."""
 
 import math
 import re
@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def results():
-    """Files of a small study, with the awkward values: missing, huge, negative."""
+    """Files of a small study with missing, very large and negative values."""
     models = ("linear", "pca_wrong_target", "ga_ann")
     rng = np.random.default_rng(0)
     dataset = product_law(12).assign(simulated_time=rng.uniform(5.0, 9.0, 12))
@@ -193,8 +193,8 @@ def test_numbers_are_printed_as_latex(value, form, text):
     [
         ("wear where model=x", "there is no column 'model'"),
         ("nothing", "there is no column 'nothing'"),
-        ("plate_angle", "12 rows, one is meant"),
-        ("biggest plate_angle", "'biggest' is none of"),
+        ("plate_angle", "12 rows, expected one"),
+        ("biggest plate_angle", "'biggest' is not one of"),
     ],
 )
 def test_a_place_that_is_not_there_is_one_line(place, message):

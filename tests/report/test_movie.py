@@ -1,4 +1,4 @@
-"""The film: an MP4 of its frames, or one line that says what is missing."""
+"""The film: an MP4 file of its frames, or one line that names what is missing."""
 
 import sys
 

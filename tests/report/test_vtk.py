@@ -1,4 +1,4 @@
-"""Files for ParaView: what is written is what a reader finds."""
+"""Files for ParaView: the values written are the values read."""
 
 import base64
 import xml.etree.ElementTree as ElementTree
@@ -33,7 +33,7 @@ def snapshots():
         )
         for time in TIMES
     )  # fmt: skip
-    # The order of rows is no promise.
+    # The order of the rows is not guaranteed.
     return particles, wear.sample(frac=1.0, random_state=0)
 
 

@@ -1,5 +1,6 @@
-"""Every rule depends on the code that its script reaches: on all of it, and on no other."""
+"""Every rule depends on all the code that its script imports, and on no other code."""
 
+import ast
 import re
 from pathlib import Path
 
@@ -98,7 +99,7 @@ def test_neutral_modules_exist_and_are_in_no_closure():
 
 @pytest.fixture
 def package(tmp_path, monkeypatch):
-    """A package in the place of abradem, and a script that uses a part of it."""
+    """A package that replaces abradem, and a script that uses a part of it."""
     files = {
         "abradem/__init__.py": "",
         "abradem/one.py": "from abradem.inner.two import y\n",
@@ -175,6 +176,37 @@ def test_the_hash_does_not_depend_on_the_folder(package, monkeypatch):
 def test_an_unknown_module_is_an_error(package):
     with pytest.raises(ValueError, match=r"abradem\.four: no such module"):
         closure(package / "script.py", ["abradem.four"])
+
+
+def imports_of_tree(path):
+    """Reference for `imported_modules`: from the syntax tree, without imports for type checkers."""
+    found = []
+
+    class Finder(ast.NodeVisitor):
+        def visit_If(self, node):
+            if "TYPE_CHECKING" not in ast.dump(node.test):
+                self.generic_visit(node)
+
+        def visit_Import(self, node):
+            found.extend(one.name for one in node.names)
+
+        def visit_ImportFrom(self, node):
+            assert node.level == 0, f"{path}: relative import"
+            for one in node.names:
+                inner = f"{node.module}.{one.name}"
+                folder = PACKAGE.joinpath(*inner.split(".")[1:])
+                is_module = folder.is_dir() or folder.with_suffix(".py").is_file()
+                found.append(inner if is_module else node.module)
+
+    Finder().visit(ast.parse(path.read_text()))
+    return list(dict.fromkeys(one for one in found if one.split(".")[0] == "abradem"))
+
+
+@pytest.mark.parametrize(
+    "path", [*PACKAGE.rglob("*.py"), *SCRIPTS.rglob("*.py")], ids=lambda path: path.stem
+)
+def test_imports_found_in_the_text_are_those_of_the_syntax_tree(path):
+    assert imported_modules(path) == imports_of_tree(path)
 
 
 def test_imports_are_in_the_order_of_the_text_and_once(package):

@@ -1,4 +1,4 @@
-"""A job that fails leaves all it knows in its log and one line for the user."""
+"""A failing job writes the traceback to its log and one line to the user."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""The line of progress counts what is done, resumed and still missing."""
+"""The line of progress counts finished, resumed and missing cases."""
 
 import io
 import logging

@@ -1,4 +1,4 @@
-"""What a run records of itself: versions, commit, environment, configuration."""
+"""Provenance of a run: versions, commit, environment, configuration."""
 
 import json
 import subprocess

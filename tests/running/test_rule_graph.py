@@ -1,4 +1,4 @@
-"""The graph of the rules as a table."""
+"""The graph of the workflow rules as a table."""
 
 from pathlib import Path
 

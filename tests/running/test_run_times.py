@@ -1,4 +1,4 @@
-"""How long the jobs of a study took."""
+"""Run times of the jobs of a study."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The guess of computing times orders cases as they were measured, and decides nothing else."""
+"""Estimated computing times have the order of the measured ones, and affect no result."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Sampling: coverage, growth, seeds, and what is physically inconsistent."""
+"""Sampling: coverage, additional blocks, seeds, and physically inconsistent cases."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_blocks_and_seeds_are_independent_of_each_other(method):
 
 
 def test_first_block_does_not_change_between_releases():
-    # A study is extended years later: the numbers of a seed are part of the promise.
+    # A study may be extended years later: the numbers of a seed must not change.
     frame = block_cases(1, 0, 100, "lhs", PAPER)
     assert frame["particle_radius"].iloc[0] == pytest.approx(0.015582455986929752, rel=1e-12)
     assert frame["seed"].iloc[0] == 1018583812506503904
@@ -196,7 +196,7 @@ def test_patch_that_crosses_the_plate_is_rejected():
 
 @pytest.mark.parametrize("angle", [-90.0, -30.0, 0.0, 45.0])
 def test_clearance_is_the_distance_of_patch_and_level_plate(angle):
-    # Above a level plate the lowest point of the patch is what matters.
+    # Above a level plate the lowest point of the patch matters.
     height, patch, radius = 0.25, 0.1, 0.02
     lowest = height - patch / 2.0 * abs(math.sin(math.radians(angle)))
     values = {**MIDDLE, "plate_angle": 0.0, "factory_angle": angle, "particle_radius": radius}

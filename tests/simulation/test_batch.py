@@ -1,4 +1,4 @@
-"""Batches: the plan, the tables, and that an interruption changes nothing."""
+"""Batches: division into batches, tables, and resumption after an interruption."""
 
 import dataclasses
 import math
@@ -41,7 +41,7 @@ def result_of(case, setup, status="ok"):
 
 @pytest.fixture
 def engine(monkeypatch):
-    """A simulation that counts its calls and may be told to fail at a case."""
+    """A simulation that counts its calls and can fail at a given case."""
     calls = []
 
     def simulate(case, setup):
@@ -100,7 +100,7 @@ def test_a_rejected_case_is_not_simulated_and_has_no_series(engine, tmp_path):
 
 
 def test_the_time_of_each_case_is_kept_over_an_interruption(engine, tmp_path, monkeypatch):
-    """The third simulation is interrupted; its 3 s are nobody's, nor is the loading of kernels."""
+    """The third simulation is interrupted; its 3 s and the loading of kernels are not counted."""
     now, spent = [0.0], iter([1.0, 2.0, 3.0, 4.0, 5.0])
     simulate = abradem.dem.simulate
 
@@ -230,7 +230,7 @@ def test_a_damaged_kept_case_is_simulated_again(engine, tmp_path, name):
     with pytest.raises(KeyboardInterrupt):
         run(tmp_path)
     (kept, *_) = (tmp_path / ".finished" / "batch").glob(f"*.{name}.parquet")
-    # As a machine that lost its power may leave it.
+    # As after a power failure.
     kept.write_bytes(b"")
     engine.calls.clear()
     engine.fails_at = None
@@ -239,7 +239,7 @@ def test_a_damaged_kept_case_is_simulated_again(engine, tmp_path, name):
 
 
 def test_a_clock_that_jumps_changes_nothing(engine, tmp_path):
-    """Files of an interrupted batch from 1970 and from 2096 are taken up all the same."""
+    """Files of an interrupted batch are used even if they are dated 1970 or 2096."""
     run(tmp_path / "whole")
     engine.fails_at = 7
     with pytest.raises(KeyboardInterrupt):

@@ -1,4 +1,4 @@
-"""Full disks, folders that cannot be written, too little memory, what killed writers leave."""
+"""Full disks, folders without write permission, too little memory, files of killed writers."""
 
 import errno
 import os

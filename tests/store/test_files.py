@@ -1,4 +1,4 @@
-"""Files in and out: complete or absent, plain, the same bytes."""
+"""Files: written completely or not at all, plain formats, reproducible bytes."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Tables in and out: units, types, damage, the same bytes."""
+"""Tables: units, types, damaged files, reproducible bytes."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""Dimensionless groups and the power law against laws that are known."""
+"""Dimensionless groups and the power law compared with known laws."""
 
 import numpy as np
 import pytest
@@ -88,7 +88,7 @@ def test_a_law_without_noise_is_recovered_exactly():
     found = law.exponents().set_index("term")["exponent"]
     for name in GROUP_NAMES:
         assert found[name] == pytest.approx(EXPONENTS.get(name, 0.0), abs=1e-6)
-    # v stands in the scale as v^2, in Fr and Ca as v^2, in L as 1/v.
+    # v enters the scale as v^2, Fr and Ca as v^2, L as 1/v.
     assert found["impact_speed"] == pytest.approx(2.0 + 2.0 * -0.1 + 2.0 * 0.05)
     assert found["particle_density"] == pytest.approx(0.05)
     np.testing.assert_allclose(law.predict(x), target, atol=1e-6)
@@ -115,7 +115,7 @@ def test_standard_errors_cover_the_truth_as_often_as_they_say():
         table = PowerLaw().fit(x, target, np.zeros(len(target))).exponents().set_index("term")
         row = table.loc["particle_radius"]
         inside.append(abs(row["exponent"] - 0.2) < 1.96 * row["standard_error"])
-    # Binomial(60, .95): fewer than 51 in one of thousands.
+    # Binomial(60, .95): fewer than 51 with a probability below 0.1 %.
     assert 51 <= sum(inside) <= 60
 
 

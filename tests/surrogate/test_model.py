@@ -1,4 +1,4 @@
-"""The surrogate: distilled, stored without code, light, leakage-free about its ranges."""
+"""The surrogate: distillation, files without code, few imports, warnings outside its ranges."""
 
 import json
 import subprocess
@@ -18,7 +18,7 @@ from abradem.learning.physical.models import PROCESS, makers
 from abradem.learning.physical.problem import problem
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, check_value
 from abradem.surrogate.groups import Jet
-from abradem.surrogate.materials import PARTICLES, PLATES, preset
+from abradem.surrogate.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, preset
 from abradem.surrogate.model import PredictionError, Surrogate, conformal_quantile
 from abradem.units import parse_value
 
@@ -42,7 +42,7 @@ def process(given):
 
 @pytest.fixture(scope="module")
 def stem(given, process, tmp_path_factory):
-    """Stem of the files of a surrogate."""
+    """Path of the files of a surrogate, without suffix."""
     scores = np.abs(process.residuals) / process.deviations
     results = evaluate_surrogate(given, SETTINGS._replace(epochs=3), repeats=1, seed=1)
     model = surrogate_of(given, process, scores, SETTINGS, results, seed=1)
@@ -51,7 +51,7 @@ def stem(given, process, tmp_path_factory):
     return path
 
 
-# What it predicts
+# Predictions
 
 
 def test_it_repeats_the_process_it_was_distilled_from(given, process, stem):
@@ -68,7 +68,7 @@ def test_intervals_hold_what_they_promise(given, stem):
     for level in (0.5, 0.8, 0.95):
         found = abradem.predict(values, stem, level)
         inside = (found.lower <= given.table.target) & (given.table.target <= found.upper)
-        # Rows that it was trained on: not fewer than promised.
+        # Training rows: the coverage is at least the nominal level.
         assert inside.mean() >= level - 0.08
         assert (found.lower < found.rate).all() and (found.rate < found.upper).all()
 
@@ -119,14 +119,14 @@ def test_the_quantile_holds_its_share_of_new_scores():
     assert conformal_quantile(np.array([1.0, 2.0]), 0.99) == 2.0
 
 
-# What it refuses, what it warns of
+# Errors and warnings
 
 
 def test_values_outside_the_training_ranges_warn(stem):
     assert abradem.predict(CASE, stem).warnings == []
     (line,) = abradem.predict({**CASE, "plate_angle": 85.0}, stem).warnings
     assert line.startswith("plate_angle = 85 deg is outside the training range")
-    # Exactly proportional, so no matter.
+    # Exactly proportional, so no warning.
     assert abradem.predict({**CASE, "archard_constant": 1e-12}, stem).warnings == []
 
 
@@ -136,7 +136,7 @@ def test_values_outside_the_training_ranges_warn(stem):
         ({"restitution": 1.5}, r"restitution = 1.5 is impossible \(allowed 0.05 ... 1\)"),
         ({"particle_radius": -1.0}, "particle_radius = -1 m is impossible"),
         ({"plate_angle": np.nan}, "plate_angle = nan deg is impossible"),
-        ({"plate_angle": "steep"}, "plate_angle holds 'steep', which is no number"),
+        ({"plate_angle": "steep"}, "plate_angle = 'steep' is not a number"),
         ({"plate_angle": np.array([1.0, 999.0])}, "plate_angle = 999 deg in row 1 is impossible"),
         ({"plate_angle": np.ones(2), "restitution": np.full(3, 0.5)}, "of different length"),
     ],
@@ -163,7 +163,7 @@ def test_missing_and_damaged_files_are_one_line(stem, tmp_path):
     for content, damaged in ((text, arrays[: len(arrays) // 2]), ("{}", arrays), ("x", arrays)):
         (tmp_path / "a.json").write_text(content)
         (tmp_path / "a.safetensors").write_bytes(damaged)
-        with pytest.raises(PredictionError, match="damaged, or no surrogate"):
+        with pytest.raises(PredictionError, match="damaged, or not a surrogate"):
             Surrogate.load(tmp_path / "a")
 
 
@@ -242,21 +242,22 @@ def test_presets_fill_what_is_not_given(capsys, stem):
 
 
 def test_presets_are_possible_and_name_a_source():
-    for particle in PARTICLES:
+    for particle in PARTICLE_MATERIALS:
         values = preset(particle)
         assert not [line for name, v in values.items() if (line := check_value(name, v))]
-    assert all(len(one.source) > 20 for one in (*PARTICLES.values(), *PLATES.values()))
+    materials = (*PARTICLE_MATERIALS.values(), *PLATE_MATERIALS.values())
+    assert all(len(one.source) > 20 for one in materials)
 
 
 @pytest.mark.parametrize(
     ("words", "line"),
     [
         (["particle_radius=20 lb"], "particle_radius = '20 lb': unit 'lb' is unknown here"),
-        (["particle_radius=big"], "particle_radius = 'big' is no number"),
+        (["particle_radius=big"], "particle_radius = 'big' is not a number"),
         (["radius=20"], "radius: no such quantity; known are"),
         (["20"], "'20' is not of the form NAME=VALUE"),
         (["plate_angle=1", "plate_angle=2"], "plate_angle is given twice"),
-        ([*WORDS, "--depth", "5kg"], "depth = '5kg' is no length"),
+        ([*WORDS, "--depth", "5kg"], "depth = '5kg' is not a length"),
         ([*WORDS, "--output", "a.csv"], "--output needs --table FILE"),
         (["--table", "nowhere.csv"], "--table needs --output FILE"),
         (["--table", "nowhere.csv", "--output", "o.csv"], "nowhere.csv: there is no such file"),

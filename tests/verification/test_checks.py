@@ -1,4 +1,4 @@
-"""Verdicts follow from numbers; the page in the documentation is what the engine gives."""
+"""Verdicts follow from the numbers; the documentation agrees with the results of the engine."""
 
 import math
 import re
@@ -13,9 +13,8 @@ from abradem.store.tables import read_table, read_units
 from abradem.verification import codes, laws, time_step
 from abradem.verification.checks import FAILS, HOLDS, Check, checks_table, write
 from abradem.verification.results_page import (
-    BEGIN,
-    END,
-    into_document,
+    HEAD,
+    main,
     plain_number,
     results_page,
     verdict_counts,
@@ -84,7 +83,7 @@ def test_the_verified_step_is_the_default_one():
         ]
     )  # fmt: skip
     assert [check.law for check in time_step.checks(mean, jet) if not check.holds] == []
-    # The paper's step as the default would be found out.
+    # The checks would fail with the time step of the paper as the default.
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(time_step, "CHOSEN", time_step.PAPERS)
         failing = [check.law for check in time_step.checks(mean, jet) if not check.holds]
@@ -109,8 +108,8 @@ def test_tangential_force_against_time_is_that_of_another_code():
 
 
 def test_the_documented_page_has_the_numbers_of_the_engine(checks):
-    document = (ROOT / "docs" / "verification.md").read_text()
-    page = document.split(BEGIN)[1].split(END)[0]
+    page = (ROOT / "docs" / "verification-table.md").read_text()
+    assert page.startswith(HEAD)
     written = dict(re.findall(r"^\| (.+?) \| (\S+)[^|]* \|", page, re.MULTILINE))
     noise = 1e-8
     compared = 0
@@ -152,11 +151,16 @@ def test_the_page_states_failures(tmp_path):
     assert verdict_counts(table) == {"checks": 2, "hold": 1, "failing": ["three"]}
 
 
-def test_the_page_replaces_only_what_stands_between_its_marks():
-    document = f"before\n{BEGIN}\nold\n{END}\nafter\n"
-    assert into_document("new", document) == f"before\n{BEGIN}\n\nnew\n\n{END}\nafter\n"
-    with pytest.raises(ValueError, match="marks"):
-        into_document("new", "no marks")
+def test_the_page_of_the_last_study_becomes_a_page_of_the_documentation(tmp_path):
+    with pytest.raises(SystemExit, match="run `make verify` first"):
+        main(tmp_path)
+    (tmp_path / "results" / "verification").mkdir(parents=True)
+    (tmp_path / "docs").mkdir()
+    page = results_page(checks_table(1, [Check("one", 1.0, 1.0)]))
+    (tmp_path / "results" / "verification" / "results.md").write_text(page)
+    main(tmp_path)
+    written = (tmp_path / "docs" / "verification-table.md").read_text()
+    assert written == f"{HEAD}{page.strip()}\n" and "## 1. Closed forms" in written
 
 
 def test_tables_are_written_with_units_and_as_text(tmp_path):

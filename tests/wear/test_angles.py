@@ -1,4 +1,4 @@
-"""Short simulations for pictures, run times, and the graph of rules."""
+"""Short simulations for figures of the plate and factory angles."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Wear rates against series and maps whose rates are known."""
+"""Wear rates of series and maps with known rates."""
 
 import numpy as np
 import pandas as pd

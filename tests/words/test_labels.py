@@ -1,4 +1,4 @@
-"""Everything that a figure or a page names has a label."""
+"""Everything that is named in a figure or in the report has a label."""
 
 import pytest
 

@@ -1,16 +1,16 @@
 """Kill a running study at random moments, resume it, compare: python tests/workflow/kills.py 50
 
-Each time a small study is begun, killed with SIGKILL and resumed with the same command; then every
-table of the study must hold the same bytes as one that was never disturbed, and nothing else may
-be left. The kills fall
+In each test a small study is started, killed with SIGKILL, and resumed with the same command. Then
+every table of the study must have the same bytes as in an undisturbed run, and no other files may
+be left. There are several kinds of tests:
 
-- anywhere: at a random moment of the run, on all its processes;
-- table: while a table is being written;
-- compile: while kernels are being compiled, with an empty cache of kernels;
-- report: while the report is being written;
-- orphans: on Snakemake alone, so that jobs live on and meet those of the second run;
-- twice: nowhere, but two runs begin at once, and one must go away;
-- cores: nowhere, but on one core and with other jobs; here only the joined tables are compared.
+- anywhere: kill all processes at a random moment of the run;
+- table: kill while a table is being written;
+- compile: kill while kernels are being compiled, with an empty cache of kernels;
+- report: kill while the report is being written;
+- orphans: kill only Snakemake, so that its jobs continue and meet those of the second run;
+- twice: kill nothing, but start two runs at the same time, one of which must stop;
+- cores: kill nothing, but use one core and other jobs; only the joined tables are compared.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ STUDY = {
 
 
 class Study:
-    """A small study in a folder of its own, with the workflow of this checkout."""
+    """A small study in its own folder, with the workflow of this checkout."""
 
     def __init__(self, folder: Path, name: str):
         self.folder, self.name, self.cores = folder, name, 2
@@ -76,7 +76,7 @@ class Study:
         ]  # fmt: skip
 
     def start(self, *arguments: str) -> subprocess.Popen:
-        """Begin a run as the leader of its own group of processes."""
+        """Start a run as the leader of its own process group."""
         return subprocess.Popen(
             self.command(*(arguments or ("dataset",))),
             cwd=self.folder, env=self.environment, start_new_session=True,
@@ -104,7 +104,7 @@ class Study:
         return found
 
     def remains(self) -> list[str]:
-        """What is neither a result nor a log: files of the way, half-written ones."""
+        """Files that are neither results nor logs, such as temporary or incomplete ones."""
         return [str(path.relative_to(self.results)) for path in self.results.rglob(".*")]
 
 
@@ -115,7 +115,7 @@ def kill(run: subprocess.Popen, group: bool = True) -> None:
 
 
 def wait_for(run: subprocess.Popen, happened, seconds: float = 300.0) -> None:
-    """Look as often as possible whether something has happened, until the run ends."""
+    """Check as often as possible whether something has happened, until the run ends."""
     end = time.monotonic() + seconds
     while not happened() and run.poll() is None and time.monotonic() < end:
         time.sleep(0.0005)
@@ -160,7 +160,7 @@ def disturb(study: Study, kind: str, chance: random.Random, duration: float) -> 
 def one_kill(
     folder: Path, kind: str, number: int, expected: dict[str, bytes], duration: float
 ) -> None:
-    """Disturb a study, resume it, and compare; AssertionError says what differs."""
+    """Disturb a study, resume it, and compare; raises AssertionError if something differs."""
     chance = random.Random(f"{kind} {number}")
     folder.mkdir()
     try:
@@ -201,7 +201,7 @@ def kill_of_the_report(study: Study, number: int) -> None:
 
 
 def whole(folder: Path) -> Study:
-    """The smoke study with models and figures, as a report needs it."""
+    """The smoke study with models and figures, as required for a report."""
     folder.mkdir()
     study = Study(folder, "killed")
     smoke = yaml.safe_load((ROOT / "studies/smoke.yaml").read_text(encoding="utf-8"))
@@ -211,7 +211,7 @@ def whole(folder: Path) -> Study:
 
 
 def undisturbed(folder: Path) -> tuple[dict[str, bytes], float]:
-    """Tables of the study when nothing happens, and how long it takes, s."""
+    """Tables of an undisturbed study, and its run time, s."""
     folder.mkdir()
     study = Study(folder, "killed")
     began = time.monotonic()
@@ -224,7 +224,7 @@ def main() -> int:
     parser.add_argument("kills", type=int, nargs="?", default=50)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=None)
     options = parser.parse_args()
-    # Compiling again takes longest.
+    # Compilation takes the longest.
     kinds = options.kinds or [
         *["anywhere"] * 4, *["table"] * 3, "orphans", "report", "compile",
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""The profile for Slurm, and what the demonstration does where it cannot run."""
+"""The Slurm profile, and the messages of the demonstration if it cannot run."""
 
 import importlib.util
 import os
@@ -24,7 +24,7 @@ def profile(name):
 def demo():
     spec = importlib.util.spec_from_file_location("slurm_demo", DEMO)
     module = importlib.util.module_from_spec(spec)
-    # Its dataclasses look themselves up there.
+    # Its dataclasses look up their module there.
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     yield module
@@ -58,8 +58,8 @@ def test_the_profile_submits_every_job_with_memory_and_a_time_limit(tmp_path):
         asked[rule].update(re.findall(r"\bmem_mb=(\d+).*\bruntime=(\d+)", job) or [None])
     assert asked["table"] == {("1500", "30")}
     assert asked["simulate"] == {("1500", "183")}
-    assert asked["physical"] == {("4000", "240")}
-    # Its population of 4 takes as many cores.
+    assert asked["fit_physical"] == {("4000", "240")}
+    # A population of 4 uses 4 cores.
     assert asked["ga_ann"] == {("3500", "240")}
     assert all(None not in resources for resources in asked.values())
 

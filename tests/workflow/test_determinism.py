@@ -1,4 +1,4 @@
-"""The same data set, byte for byte, however the cases are cut into jobs and in whatever order."""
+"""The data set is byte-identical for any division of the cases into jobs and any order of jobs."""
 
 import pandas as pd
 import pytest
@@ -14,7 +14,7 @@ SETUP = {"window": 1.0, "max_time": 3.0, "facet_size": 0.05, "target_stderr": 0.
 
 
 def dataset(folder, cases, cuts):
-    """The data set of cases that were simulated in the batches that ``cuts`` make."""
+    """The data set of cases simulated in the batches given by ``cuts``."""
     parts = {name: [] for name in ("rates", "runs")}
     for start, stop in cuts:
         some = cases.iloc[start:stop]

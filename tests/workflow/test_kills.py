@@ -1,4 +1,4 @@
-"""A few of the kills of `make kills`: killed, resumed, and nothing lost."""
+"""A few tests of `make kills`: a killed study resumes without loss."""
 
 import pytest
 from kills import one_kill, undisturbed
@@ -6,7 +6,7 @@ from kills import one_kill, undisturbed
 
 @pytest.fixture(scope="module")
 def expected(tmp_path_factory):
-    """Tables of a study that nothing disturbs, and how long it takes."""
+    """Tables of an undisturbed study, and its run time."""
     return undisturbed(tmp_path_factory.mktemp("kills") / "undisturbed")
 
 

@@ -1,4 +1,4 @@
-"""The workflow as a module of another one, with another configuration and in other folders."""
+"""The workflow as a module of another workflow, with its own configuration and folders."""
 
 import subprocess
 import sys
@@ -33,11 +33,11 @@ rule all:
 
 @pytest.fixture
 def theirs(tmp_path):
-    """Runs snakemake on a workflow that imports ours; returns the exit status and the output."""
+    """Runs snakemake on a workflow that imports this one; returns exit status and output."""
     (tmp_path / "Snakefile").write_text(SNAKEFILE, encoding="utf-8")
 
     def snakemake(*arguments, wear=WEAR):
-        # A file of theirs that bears the name of ours is none of our business.
+        # A file of the importing workflow with the same name is not used.
         (tmp_path / "config.yaml").write_text("[not ours]", encoding="utf-8")
         config = yaml.safe_dump({"study": "outer", "wear": wear})
         (tmp_path / "theirs.yaml").write_text(config, encoding="utf-8")

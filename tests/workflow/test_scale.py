@@ -1,4 +1,4 @@
-"""Many batches: the longest start first, and the graph of jobs grows no faster than they do."""
+"""Many batches: the longest start first, and the job graph grows linearly with their number."""
 
 import os
 import re
@@ -11,8 +11,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-# Where a rule takes a file of another rule beside a named list, Snakemake hashes the whole list
-# for each of its files. Time would say so, but not reliably; the files that are hashed do.
+# If a rule takes a file of another rule in addition to a named list, Snakemake hashes the whole
+# list for each of its files. The number of hashed files shows this more reliably than the time.
 COUNTING = """
 import sys
 from snakemake import cli, iocontainers
@@ -40,7 +40,7 @@ simulation: {cases_per_job: 3}
 
 @pytest.fixture(scope="module")
 def dry_run(tmp_path_factory):
-    """What a dry run of a study of 120 batches prints, with every job."""
+    """Output of a dry run of a study with 120 batches, with every job."""
     root = tmp_path_factory.mktemp("many")
     for name in ("Snakefile", "config.yaml"):
         shutil.copy2(ROOT / name, root)

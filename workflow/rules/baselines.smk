@@ -1,6 +1,6 @@
 PROTOCOLS = ["as_published", "leakage_free"]
 LEARNING = CONFIG.learning
-# What all models share: the rows they are scored on.
+# The splits, and so the held-out rows, are the same for all models.
 SPLITS = {
     "test_share": LEARNING.test_share,
     "repeats": LEARNING.repeats,
@@ -8,12 +8,6 @@ SPLITS = {
 }
 BASELINES = ["linear", "penalised", "pca", "trees", *(f"ga_ann_{p}" for p in PROTOCOLS)]
 LEARNED_FROM = {"target": LEARNING.target, "name": CONFIG.study}
-
-
-def module_of(name):
-    """The module that trains a model, and the hash of the code behind it."""
-    source = f"abradem.learning.baselines.{name}"
-    return {"module": source, "code": code_of("baselines/baseline", source)}
 
 
 localrules:
@@ -93,7 +87,7 @@ rule penalised:
 
 
 rule pca:
-    """Principal components and the regression on them."""
+    """Principal component analysis, and regression on the components."""
     input:
         rules.dataset.output,
     output:
@@ -123,7 +117,7 @@ rule pca:
 
 
 rule selection:
-    """The features that the networks get."""
+    """Selection of the features of the networks."""
     input:
         rules.dataset.output,
     output:
@@ -178,10 +172,10 @@ rule trees:
         "../scripts/baselines/baseline.py"
 
 
-# One network per core, so it asks for as many cores as a generation has networks and takes what
-# there is; the result does not depend on it. An interrupted search resumes from its folder.
+# Networks are trained one per core, so the rule asks for as many cores as a generation has
+# networks; the result does not depend on the number. An interrupted search resumes.
 rule ga_ann:
-    """The networks whose architecture a genetic search finds, under one protocol."""
+    """Genetic search for the architecture of a network, under one protocol."""
     input:
         rules.dataset.output,
     output:
@@ -202,7 +196,7 @@ rule ga_ann:
         f"{RESULTS}/benchmarks/ga_ann/{{protocol}}.tsv"
     wildcard_constraints:
         protocol="|".join(PROTOCOLS),
-    # After the cheap models.
+    # After the models that are cheap to train.
     priority: -1
     conda:
         "../envs/abradem.yaml"

@@ -18,13 +18,12 @@ from abradem.running.code_hash import files_hash, step_hash
 from abradem.running.progress import BatchOfCases, Monitor
 from abradem.running.provenance import versions
 from abradem.running.run_times import run_times
-from abradem.sampling.cost import batch_seconds
 from abradem.store.files import read_json
 from abradem.store.locks import Lock
 
 
 def file_of_workflow(path):
-    """A file of this workflow as rules name it: relative where the run is in its folder."""
+    """Path of a file of this workflow; relative if the run is in the folder of the workflow."""
     full = Path(HOME, path)
     return str(
         full.relative_to(Path.cwd()) if full.is_relative_to(Path.cwd()) else full
@@ -32,8 +31,8 @@ def file_of_workflow(path):
 
 
 try:
-    # The override files of the command line come last, as they were merged. A module has its
-    # configuration from the workflow that imports it, whose files are another's.
+    # Override files of the command line come last, in the order in which they were merged. A
+    # module gets its configuration from the importing workflow, not from files of its own.
     CONFIG = load_config(
         config,
         (
@@ -52,15 +51,15 @@ except ConfigError as error:
 RESULTS = f"results/{CONFIG.study}"
 LOGS = f"{RESULTS}/logs"
 SETUP = setup_dict(CONFIG)
-# Or learned from a table that someone else made.
+# False if the models are trained on an external table.
 SIMULATED = CONFIG.dataset.external is None
 
-# Hashes of all code that a rule uses, by its script; a parameter of the rule.
+# Hashes of the code that rules depend on, by script; they are parameters of the rules.
 CODE = {}
 
 
 def code_of(script, *modules):
-    """Hash of the code that a script reaches, also by the modules it is given: an edit reruns."""
+    """Hash of the code that a script depends on, including modules passed to it by name."""
     name = " ".join([script, *modules])
     if name not in CODE:
         CODE[name] = step_hash(Path(HOME, f"workflow/scripts/{script}.py"), modules)
@@ -72,7 +71,7 @@ BATCHES = CONFIG.batches
 
 
 def batch_paths(pattern):
-    """Paths of a table of all batches of all blocks."""
+    """Paths of the tables of all batches of all blocks."""
     return [
         pattern.format(block=f"{block:03d}", batch=f"{batch:03d}")
         for block in BLOCKS
@@ -82,8 +81,9 @@ def batch_paths(pattern):
 
 @cache
 def seconds_of_batches(block):
-    """Guessed computing times of the batches of a block; nothing but an order follows."""
-    # With SciPy, whose import only a run with simulations has to wait for.
+    """Estimated computing times (s) of the batches of a block; they only set priorities."""
+    # Imported here, as pandas and SciPy load slowly and only runs with simulations need them.
+    from abradem.sampling.cost import batch_seconds
     from abradem.sampling.draw import block_cases
 
     drawn = block_cases(
@@ -97,12 +97,12 @@ def seconds_of_batches(block):
 
 
 def seconds_of_batch(wildcards):
-    """Guessed computing time of a batch, s."""
+    """Estimated computing time of a batch, s."""
     return seconds_of_batches(int(wildcards.block))[int(wildcards.batch)]
 
 
 def batches_with(cases, pattern):
-    """Paths of a table of the batches that hold certain cases of the study."""
+    """Paths of the tables of the batches that contain certain cases of the study."""
     size = CONFIG.sampling.cases_per_block
     places = {
         (case // size, batch)
@@ -117,10 +117,11 @@ def batches_with(cases, pattern):
     return list(dict.fromkeys(paths))
 
 
-# What a job asks a cluster for, where that is not the profile's default: docs/cluster.md has the
-# measurements. A retry asks for more. Minutes of a batch leave room for one case that takes hours.
+# Resources that a job requests on a cluster if they differ from the defaults of the profile; see
+# docs/cluster.md for measurements. Retries request more. The run time of a batch allows for one
+# case that takes hours.
 def growing(first):
-    """A resource that grows with the attempts of a job."""
+    """A resource proportional to the number of attempts of a job."""
     return lambda wildcards, attempt: first * attempt
 
 
@@ -133,13 +134,13 @@ FORMATS = CONFIG.figures.formats
 
 
 def beside(output, name):
-    """A folder of the study that holds ``<folder>/<output>``; a module's may have a prefix."""
+    """A path in the results of the study of an output, also if a module has a path prefix."""
     return str(Path(output).parents[1] / name)
 
 
 VERIFICATION_CHECKS = Path("results/verification/checks.parquet")
 VERIFICATION_MADE = VERIFICATION_CHECKS.is_file()
-# As benchmarks/cost.py writes them.
+# Written by benchmarks/cost.py.
 SPEED_TABLES = [
     Path("results/benchmarks/counts.csv"),
     Path("results/benchmarks/times.csv"),
@@ -147,8 +148,22 @@ SPEED_TABLES = [
 SPEED_MADE = all(path.is_file() for path in SPEED_TABLES)
 
 
+def module_of(name):
+    """The module that trains a model, and the hash of the code behind it."""
+    source = f"abradem.learning.baselines.{name}"
+    return {"module": source, "code": code_of("baselines/baseline", source)}
+
+
+def is_made(name):
+    """Whether a figure is made: some need simulations or results of other studies."""
+    needs = {"verification": VERIFICATION_MADE, "speed": SPEED_MADE}
+    return needs.get(name, SIMULATED or FIGURES[name].group != SIMULATIONS) and (
+        SIMULATED or name != "setup"
+    )
+
+
 def figure_file(name, suffix):
-    """The file of a figure in one format, as the report shows it."""
+    """The file of a figure in one format, with its entry in the report."""
     entry = FIGURES[name]
     return report(
         f"{RESULTS}/figures/{name}.{suffix}",
@@ -160,12 +175,12 @@ def figure_file(name, suffix):
 
 
 def figure_files(name):
-    """The files of a figure, one for each format."""
+    """The files of a figure, one per format."""
     return [figure_file(name, suffix) for suffix in FORMATS]
 
 
 def drawn_as(name):
-    """Parameters of a figure's rule: what draws it, its caption, and the hash of its code."""
+    """Parameters of the rule of a figure (drawing function, caption, hash of the code)."""
     entry = FIGURES[name]
     return {
         "draw": entry.draw,
@@ -175,7 +190,7 @@ def drawn_as(name):
 
 
 def latex_file(name):
-    """A file to be included in a LaTeX text, as the report offers it."""
+    """A file for a LaTeX text, with its entry in the report."""
     return report(
         f"{RESULTS}/latex/{name}.tex",
         caption="../report/latex.rst",
@@ -185,14 +200,24 @@ def latex_file(name):
 
 
 def part_files(part, suffix):
-    """Files of the tables of a part of the verification study, by their names."""
+    """Files of the tables of a part of the verification study, by name."""
     return {
         table: f"{VERIFIED}/tables/{part}_{table}.{suffix}" for table in PARTS[part]
     }
 
 
+def part(name, source=None):
+    """Parameters of the rule of a part (tables, module, hash of the code)."""
+    source = f"abradem.verification.{source or name}"
+    return {
+        "tables": PARTS[name],
+        "module": source,
+        "code": code_of("verification/part", source),
+    }
+
+
 def to_simulate(jobs):
-    """The batches, as the monitor knows them, among the jobs of a run."""
+    """The batches to be simulated by the jobs of a run, for the progress monitor."""
     return {
         job.output.runs: BatchOfCases(
             cases=len(range(*BATCHES[int(job.wildcards.batch)])),
@@ -206,22 +231,22 @@ def to_simulate(jobs):
 
 
 def lift_rate_limit(scheduler):
-    """Start jobs as they come, unless the user set a limit of their own.
+    """Remove the default rate limit of job starts, unless the user has set one.
 
-    To start no more than 100 jobs in a second, Snakemake 9 looks at all that wait once a second,
-    and once more each second for every job that has ended: minutes in an hour of two cores.
+    To limit the rate to 100 jobs per second, Snakemake 9 checks all waiting jobs once a second,
+    and once more each second for every finished job. This costs minutes per hour on two cores.
     """
     limiter = getattr(scheduler, "job_rate_limiter", None)
     if limiter is not None and (limiter.max_jobs, limiter.timespan) == (100, 1):
         scheduler.job_rate_limiter = None
 
 
-# In the place of Snakemake's own locks, which a killed run leaves behind.
+# Replaces the locks of Snakemake, which a killed run leaves behind.
 RUN_LOCK = Lock(Path(".snakemake", f"abradem-{CONFIG.study}.lock"))
 
 MONITOR = Monitor(CONFIG.cases, Path(RESULTS, ".finished"))
 
-# What the report's overview says; it is there once the results are.
+# Content of the overview of the report, available once the results exist.
 SUMMARY = Path(RESULTS, "summary.json")
 VERSIONS = Path(RESULTS, "versions.json")
 config["summary"] = read_json(SUMMARY) if SUMMARY.is_file() else {}

@@ -1,12 +1,12 @@
 RUNS = batch_paths(f"{RESULTS}/runs/block-{{block}}-batch-{{batch}}.parquet")
-# The joins name their inputs by path, not as `rules.<name>.output`: for each file of a named
-# list Snakemake would then hash the whole list, minutes for thousands of batches.
+# The joins list their inputs as paths, not as `rules.<name>.output`: Snakemake would hash a named
+# list once for each of its files, which takes minutes for thousands of batches.
 FAILURES = f"{RESULTS}/failures.parquet"
 
 
-# A rule of its own, so that they are written whatever is wrong with the data set.
+# A separate rule, so that the failures are written even if the data set is refused.
 rule failures:
-    """The cases that are no row of the data set, and why."""
+    """The cases that are not in the data set, with the reasons."""
     input:
         cases=CASES,
         rates=WEAR_RATES,
@@ -24,12 +24,12 @@ rule failures:
 
 
 rule dataset:
-    """Target: the data set, one row for each case that ended well."""
+    """Target: the data set, one row for each successful case."""
     input:
         cases=CASES,
         rates=WEAR_RATES,
         runs=RUNS,
-        # Not read: the reasons are to be there when the data set is.
+        # Not read; ensures that the reasons are written before the data set.
         failures=FAILURES,
     output:
         report(

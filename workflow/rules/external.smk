@@ -1,4 +1,4 @@
-# In the place of sampling, simulation and dataset: a table from elsewhere.
+# An external table replaces sampling, simulation and data set.
 from abradem.store.files import TableError
 from abradem.dataset.external import read_external
 
@@ -7,16 +7,16 @@ EXTERNAL = CONFIG.dataset.external
 if not Path(EXTERNAL).is_file():
     sys.exit(f"dataset.external: {EXTERNAL}: there is no such file")
 try:
-    # Before anything is written; the rule reads it again.
+    # Checked before anything is written; the rule reads the table again.
     read_external(EXTERNAL, CONFIG.dataset.columns)
 except TableError as error:
     sys.exit(str(error))
 
 
 rule dataset:
-    """A table from elsewhere as the data set."""
+    """The data set from an external table."""
     input:
-        # Braces in a path are no wildcards.
+        # Braces in the path are not wildcards.
         EXTERNAL.replace("{", "{{").replace("}", "}}"),
     output:
         report(

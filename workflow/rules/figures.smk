@@ -1,5 +1,5 @@
-# One rule for each figure: a change to one redraws that one alone. Group, label, caption and the
-# function that draws a figure are in abradem.figures.catalogue.
+# One rule per figure, so that a change redraws only the figures concerned. Group, label, caption
+# and drawing function of each figure are in abradem.figures.catalogue.
 SHOWN = CONFIG.figures.series_cases
 GALLERY_GRID = {
     "across": "plate_angle",
@@ -7,14 +7,6 @@ GALLERY_GRID = {
     "columns": 6,
     "rows": 5,
 }
-
-
-def is_made(name):
-    """Whether this study has a figure: some need simulations, or results from elsewhere."""
-    needs = {"verification": VERIFICATION_MADE, "speed": SPEED_MADE}
-    return needs.get(name, SIMULATED or FIGURES[name].group != SIMULATIONS) and (
-        SIMULATED or name != "setup"
-    )
 
 
 localrules:
@@ -33,10 +25,10 @@ rule figures:
 
 if SIMULATED:
 
-    # Figures of single cases take the batches that hold these, so that new blocks leave them as
-    # they are.
+    # Figures of single cases depend only on the batches of these cases, so that new blocks do not
+    # redraw them.
     rule figure_setup:
-        """The simulation set-up: plate, factory and particles, and the wear."""
+        """The simulation set-up: plate, factory, particles and wear map."""
         input:
             particles=f"{RESULTS}/scenes/typical/particles.parquet",
             wear=f"{RESULTS}/scenes/typical/wear.parquet",
@@ -75,7 +67,7 @@ if SIMULATED:
             "../scripts/figures/figure.py"
 
     rule figure_angles:
-        """Wear depth against time for angles of plate and factory."""
+        """Wear depth against time for several plate angles and factory angles."""
         input:
             curves=rules.angles.output.curves,
             rates=rules.angles.output.rates,
@@ -92,7 +84,7 @@ if SIMULATED:
             "../scripts/figures/figure.py"
 
     rule figure_quality:
-        """How well the wear rates are known."""
+        """Quality of the wear rates."""
         input:
             dataset=rules.dataset.output[0],
         output:
@@ -111,7 +103,7 @@ if SIMULATED:
             "../scripts/figures/figure.py"
 
     rule figure_maps:
-        """Where on the plate the wear is, for some cases."""
+        """Distribution of the wear over the plate, for some cases."""
         input:
             cases=batches_with(SHOWN, f"{RESULTS}/cases/block-{{block}}.parquet"),
             maps=batches_with(SHOWN, rules.simulate.output.maps),
@@ -210,7 +202,7 @@ rule figure_coefficients:
 
 
 rule figure_predicted:
-    """Predicted against simulated wear, held-out cases."""
+    """Predicted against simulated wear for held-out cases."""
     input:
         predictions=rules.linear.output.predictions,
         model=rules.linear.output.summary,
@@ -228,7 +220,7 @@ rule figure_predicted:
 
 
 rule figure_residuals:
-    """Residuals of the linear regression, and how features depend on each other."""
+    """Residuals of the linear regression, and dependence among the features."""
     input:
         residuals=rules.linear.output.residuals,
         coefficients=rules.linear.output.coefficients,
@@ -267,7 +259,7 @@ rule figure_penalised:
 
 
 rule figure_selection:
-    """The features that the networks get."""
+    """Selection of the features of the networks."""
     input:
         selection=rules.selection.output.selection,
         summary=rules.selection.output.summary,
@@ -339,7 +331,7 @@ rule figure_components:
 
 
 rule figure_tree_depth:
-    """How deep a tree may grow."""
+    """Scores of the decision tree against its depth."""
     input:
         curve=rules.trees.output.curve,
         importance=rules.trees.output.importance,
@@ -376,7 +368,7 @@ rule figure_tree:
 
 
 rule figure_ga_ann:
-    """The genetic search, both protocols."""
+    """The genetic search under both protocols."""
     input:
         history=expand(rules.ga_ann.output.history, protocol=PROTOCOLS),
         scores=expand(rules.ga_ann.output.scores, protocol=PROTOCOLS),
@@ -395,7 +387,7 @@ rule figure_ga_ann:
 
 
 rule figure_architecture:
-    """The networks that the genetic search found."""
+    """The networks found by the genetic search."""
     input:
         summaries=expand(rules.ga_ann.output.summary, protocol=PROTOCOLS),
     output:
@@ -430,7 +422,7 @@ rule figure_distributions:
 
 
 rule figure_models:
-    """The models on dimensionless groups on one page."""
+    """Overview of the models on dimensionless groups."""
     input:
         comparison=rules.scores.output.comparison,
         calibration=rules.intervals.output.calibration,
@@ -471,7 +463,7 @@ rule figure_sensitivity:
 
 
 rule figure_reach:
-    """Extrapolation and every target."""
+    """Extrapolation, and scores for all wear rates."""
     input:
         extrapolation=rules.reach.output.extrapolation,
         targets=rules.reach.output.targets,
@@ -489,7 +481,7 @@ rule figure_reach:
 
 
 rule figure_comparison:
-    """All models side by side."""
+    """Comparison of all models."""
     input:
         comparison=rules.scores.output.comparison,
         beside_paper=rules.scores.output.beside_paper,
@@ -526,9 +518,10 @@ rule figure_predictions:
 
 if VERIFICATION_MADE:
 
-    # Not an input of the study: it shows what `make verify` found last, and does not repeat it.
+    # The checks are not an input of the study: the figure shows the last results of `make verify`
+    # and does not repeat it.
     rule figure_verification:
-        """The verification study at a glance."""
+        """Overview of the verification study."""
         output:
             figure_files("verification"),
         log:

@@ -1,4 +1,4 @@
-# The joins of all models. Each stage reruns alone, and these follow.
+# Joint results of all models. Each model can be rerun separately; these rules then follow.
 SCORED = [*BASELINES, "physical", "surrogate"]
 
 
@@ -7,7 +7,7 @@ localrules:
 
 
 rule learning:
-    """Target: all models, their scores and what they say."""
+    """Target: all models, their scores and their analysis."""
     input:
         rules.baselines.input,
         rules.physical.input,
@@ -15,7 +15,7 @@ rule learning:
 
 
 rule scores:
-    """The scores of all models in one table, and side by side."""
+    """The scores and predictions of all models, and their comparison."""
     input:
         scores=expand(f"{RESULTS}/learning/{{stage}}_scores.parquet", stage=SCORED),
         predictions=expand(

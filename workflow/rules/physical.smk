@@ -1,5 +1,5 @@
 PHYSICAL, SURROGATE = LEARNING.physical, LEARNING.surrogate
-# What of the set-up stands in the dimensionless groups.
+# Quantities of the set-up that enter the dimensionless groups.
 JET = {
     name: SETUP[name]
     for name in (
@@ -24,7 +24,7 @@ localrules:
 
 
 rule physical:
-    """Target: the physics-informed models, and the surrogate behind abradem predict."""
+    """Target: the physics-informed models, and the surrogate for abradem predict."""
     input:
         f"{RESULTS}/models/surrogate.json",
         f"{RESULTS}/learning/physical.json",
@@ -68,7 +68,7 @@ rule fit_physical:
 
 
 rule intervals:
-    """Intervals of the Gaussian process, calibrated and tested on rows held out."""
+    """Prediction intervals of the Gaussian process, calibrated and tested on held-out rows."""
     input:
         rules.dataset.output,
     output:
@@ -91,7 +91,7 @@ rule intervals:
 
 
 rule surrogate:
-    """The surrogate behind `abradem predict`, and a score of its own."""
+    """The surrogate for `abradem predict`, and its scores."""
     input:
         dataset=rules.dataset.output[0],
         process=rules.fit_physical.output.process_arrays,
@@ -125,7 +125,7 @@ rule surrogate:
 
 
 rule sensitivity:
-    """Which quantities decide the wear."""
+    """Sensitivity of the wear to the sampled quantities."""
     input:
         dataset=rules.dataset.output[0],
         process=rules.fit_physical.output.process_arrays,
@@ -156,7 +156,7 @@ rule sensitivity:
 
 
 rule reach:
-    """The models with fewer cases, beyond their ranges, and on every target."""
+    """Learning curves, extrapolation, and scores for all wear rates."""
     input:
         rules.dataset.output,
     output:
@@ -192,7 +192,7 @@ rule reach:
 if SIMULATED:
 
     rule noise_floor:
-        """The best R2 that any model could reach."""
+        """The largest R2 that any model could reach."""
         input:
             replicates=expand(rules.replicates.output, part=REPLICATE_PARTS),
             dataset=rules.dataset.output[0],
@@ -209,9 +209,8 @@ if SIMULATED:
         script:
             "../scripts/physical/noise_floor.py"
 
-    # Timed in one job, one after the other.
     rule speed_up:
-        """Engine and surrogate timed one after the other."""
+        """Computing times of engine and surrogate, measured in turn in one job."""
         input:
             dataset=rules.dataset.output[0],
             surrogate=rules.surrogate.output.model,
@@ -238,7 +237,7 @@ if SIMULATED:
             "../scripts/physical/speed_up.py"
 
 
-# Replicates tell the noise of the headline alone.
+# The replicates give the noise of the headline wear rate only.
 NOISE_SUMMARY = (
     rules.noise_floor.output.summary
     if SIMULATED and LEARNING.target == "wear_total_mean"

@@ -1,4 +1,4 @@
-# On demand: snakemake publish, a folder ready for an archive.
+# On demand: `snakemake publish` builds a folder ready for an archive.
 localrules:
     publish,
 
@@ -9,9 +9,9 @@ rule publish:
         f"{RESULTS}/publish/ro-crate-metadata.json",
 
 
-# Inputs without names: of a named list, Snakemake hashes all of it for each of its files.
+# The inputs have no names: Snakemake would hash a named list once for each of its files.
 rule published_folder:
-    """The folder for an archive."""
+    """The published folder with data, data card, descriptors, figures and models."""
     input:
         CASES,
         FAILURES,

@@ -3,8 +3,8 @@ if not IN_MODULE:
     report: "../report/workflow.rst"
 
 
-# Tables that the report offers for reading, see abradem.report.tables; the Parquet files stay
-# the data.
+# Tables that the report contains as text, see abradem.report.tables. The Parquet files are the
+# data.
 TABLE_FILES = {
     "linear_coefficients": rules.linear.output.coefficients,
     "linear_published": rules.linear.output.published,
@@ -22,7 +22,7 @@ TABLE_FILES = {
 }
 
 
-# Files that numbers of a text are read from.
+# Files from which the numbers of a text are read.
 CITED = [
     "dataset.parquet",
     "summary.json",
@@ -32,7 +32,7 @@ CITED = [
     "learning/selection.parquet",
     *(f"learning/ga_ann_{protocol}.json" for protocol in PROTOCOLS),
 ]
-# Of the configuration only what is cited, so that other keys leave the tables as they are.
+# Only the keys of the configuration that are cited, so that other keys do not change the tables.
 CITED_KEYS = {
     "study": True,
     "seed": True,
@@ -63,7 +63,7 @@ rule documents:
 
 
 rule table:
-    """A table as text, for reading."""
+    """A table as text, for the report."""
     input:
         lambda wildcards: TABLE_FILES[wildcards.table],
     output:
@@ -78,7 +78,7 @@ rule table:
     conda:
         "../envs/abradem.yaml"
     params:
-        # Read by the report.
+        # Used by the report.
         caption=lambda wildcards: TABLES[wildcards.table],
         code=code_of("report/table"),
     script:
@@ -86,7 +86,7 @@ rule table:
 
 
 rule summary:
-    """The numbers that the report's overview begins with."""
+    """Headline numbers for the overview of the report."""
     input:
         dataset=rules.dataset.output[0],
         failures=rules.failures.output[0] if SIMULATED else [],
@@ -109,7 +109,7 @@ rule summary:
 
 
 rule findings:
-    """What the models say, in sentences."""
+    """Findings of the models as text."""
     input:
         physical=rules.fit_physical.output.summary,
         intervals=rules.intervals.output.summary,
@@ -163,15 +163,15 @@ rule latex:
         "../scripts/report/latex.py"
 
 
-# On demand, as it needs a LaTeX: snakemake paper.
+# On demand, as it needs LaTeX: `snakemake paper`.
 rule paper:
-    """Target, on demand: the example text as PDF; needs a LaTeX."""
+    """Target, on demand: the example paper as PDF; needs LaTeX."""
     input:
         f"{RESULTS}/paper.pdf",
 
 
 rule paper_pdf:
-    """The example text with the tables, numbers and figures of a study, as PDF."""
+    """The example paper with the tables, numbers and figures of a study."""
     input:
         text=file_of_workflow("paper/main.tex"),
         included=rules.latex.output,
@@ -199,17 +199,17 @@ rule paper_pdf:
 
 if SIMULATED:
 
-    # On demand: snakemake movie. Needs an encoder, pip install -e '.[movie]'.
+    # On demand: `snakemake movie`; needs an encoder, pip install -e '.[movie]'.
     FILMED = [f"plate_{angle:g}" for angle in FILM.plate_angles]
 
     rule movie:
-        """Target, on demand: a film of wear growing on plates; needs the extra movie."""
+        """Target, on demand: a film of the growing wear on plates; needs the extra movie."""
         input:
             f"{RESULTS}/movie/wear.mp4",
             f"{RESULTS}/movie/wear.png",
 
     rule film:
-        """The film of plates side by side, and its last picture."""
+        """The film of plates side by side, and its last frame."""
         input:
             particles=expand(rules.scene.output.particles, scene=FILMED),
             wear=expand(rules.scene.output.wear, scene=FILMED),
@@ -229,7 +229,7 @@ if SIMULATED:
         script:
             "../scripts/report/movie.py"
 
-    # On demand: snakemake vtk. The typical case, and those of simulation.export.
+    # On demand: `snakemake vtk`, for the typical case and the cases of simulation.export.
     rule vtk:
         """Target, on demand: particles and plate for ParaView."""
         input:
@@ -237,7 +237,7 @@ if SIMULATED:
             expand(f"{RESULTS}/vtk/case-{{case}}", case=CONFIG.simulation.export.cases),
 
     rule vtk_of_scene:
-        """Snapshots of a case for ParaView."""
+        """Snapshots of a scene for ParaView."""
         input:
             particles=f"{RESULTS}/scenes/{{scene}}/particles.parquet",
             wear=f"{RESULTS}/scenes/{{scene}}/wear.parquet",

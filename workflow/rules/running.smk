@@ -1,4 +1,4 @@
-# What surrounds a run: its configuration and versions, and the graph of its rules.
+# Records of a run: configuration, versions, and the graph of the rules.
 WORKFLOW_FILES = [
     Path(HOME, "Snakefile"),
     *sorted(Path(HOME, "workflow/rules").glob("*.smk")),
@@ -6,7 +6,7 @@ WORKFLOW_FILES = [
 
 
 rule rule_graph:
-    """The rules of the workflow and what each takes from which."""
+    """The rules of the workflow and their dependencies."""
     output:
         f"{RESULTS}/rule_graph.parquet",
     log:
@@ -30,9 +30,9 @@ rule rule_graph:
         "../scripts/running/rule_graph.py"
 
 
-# Nothing depends on these files, so another machine or another version reruns only this.
+# No other rule depends on these files, so a change of machine or version reruns only this rule.
 rule provenance:
-    """The resolved configuration, and what else identifies the run."""
+    """The resolved configuration, versions, seed and code hashes of the run."""
     output:
         config=report(
             f"{RESULTS}/config.yaml",
@@ -52,7 +52,7 @@ rule provenance:
         "../envs/abradem.yaml"
     params:
         config=to_yaml(CONFIG),
-        # Of all rules, also of those that are read later.
+        # A function, so that it includes the rules that are defined later.
         recorded=lambda wildcards: {
             "seed": CONFIG.seed,
             "versions": versions(),

@@ -17,7 +17,7 @@ rule sample:
         f"{RESULTS}/cases/block-{{block}}.parquet",
     log:
         f"{LOGS}/sample/block-{{block}}.log",
-    # Before any simulation, as the longest one may be of the last block.
+    # Before any simulation, as the longest one may be in the last block.
     priority: 10**9
     conda:
         "../envs/abradem.yaml"
@@ -34,7 +34,7 @@ rule sample:
         "../scripts/sampling/sample.py"
 
 
-# A join made of the blocks, never their source: new blocks leave the old ones untouched.
+# Made from the blocks, not the other way round, so that new blocks do not change existing ones.
 rule join_cases:
     """The cases of all blocks in one table."""
     input:

@@ -1,9 +1,9 @@
-# Short simulations for pictures, of the case that stands for the study.
+# Short simulations of the typical case for pictures.
 TYPICAL = typical_case(CONFIG)
 PICTURED = CONFIG.figures.typical
 FILM = CONFIG.figures.movie
 
-# Each with what differs from the typical case, its duration and the time between snapshots, s.
+# For each scene: differences from the typical case, duration (s), time between snapshots (s).
 SCENES = {
     "typical": ({}, PICTURED.duration_s, PICTURED.interval_s),
     **{
@@ -26,11 +26,11 @@ rule simulation:
     """Target: the simulations of all cases."""
     input:
         batch_paths(f"{RESULTS}/runs/block-{{block}}-batch-{{batch}}.parquet"),
-        # With it, `abradem simulate` repeats a case of these very simulations.
+        # Needed by `abradem simulate` to repeat a case.
         f"{RESULTS}/config.yaml",
 
 
-# A batch depends on its block's cases alone, so that a study grows by its new blocks.
+# A batch depends only on the cases of its block, so that a larger study adds only new blocks.
 rule simulate:
     """The simulations of one batch."""
     input:
@@ -44,7 +44,7 @@ rule simulate:
         f"{LOGS}/simulate/block-{{block}}-batch-{{batch}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/simulate/block-{{block}}-batch-{{batch}}.tsv"
-    # The longest first, else the last of them keeps one core busy while the others wait.
+    # Longest batches first, so that all cores finish at about the same time.
     priority: seconds_of_batch
     conda:
         "../envs/abradem.yaml"
@@ -54,7 +54,7 @@ rule simulate:
     params:
         setup=SETUP,
         rows=lambda wildcards: BATCHES[int(wildcards.batch)],
-        # Beside the outputs, wherever an importing workflow puts them.
+        # In the folder of the outputs, also if an importing workflow moves them.
         finished=lambda wildcards, output: beside(
             output.runs, f".finished/{Path(output.runs).stem}"
         ),
@@ -99,7 +99,7 @@ rule snapshots_of_case:
 
 
 rule scene:
-    """Snapshots of a case of the pictures."""
+    """Snapshots of a short simulation for pictures."""
     output:
         particles=f"{RESULTS}/scenes/{{scene}}/particles.parquet",
         contacts=f"{RESULTS}/scenes/{{scene}}/contacts.parquet",

@@ -1,13 +1,13 @@
-# The verification study: make verify, or snakemake verification. rule all never asks for it, and
-# nothing of it depends on the configuration.
+# The verification study: `make verify` or `snakemake verification`. It is not part of rule all and
+# does not depend on the configuration.
 VERIFIED = "results/verification"
 VERIFICATION_LOGS = f"{VERIFIED}/logs"
 
-# What the report of a study says of it, once it was made.
+# Shown in the report of a study if the verification study was run.
 VERDICTS = Path(VERIFIED, "summary.json")
 config["verification"] = read_json(VERDICTS) if VERDICTS.is_file() else {}
 
-# The tables of each part; every part has its checks.
+# The tables of each part of the study; every part has a table of checks.
 PARTS = {
     "laws": ["checks", "restitution", "angles", "convergence"],
     "chung_ooi": ["checks", "tests", "measured"],
@@ -20,7 +20,7 @@ PARTS = {
     "facets_and_bed": ["checks", "sizes", "heap"],
 }
 
-# The tables that each figure shows, in the order in which its function takes them.
+# The tables of each figure, in the order of the parameters of its drawing function.
 VERIFICATION_FIGURES = {
     "restitution": ["laws_restitution"],
     "slip": ["laws_angles"],
@@ -42,18 +42,8 @@ VERIFICATION_FIGURES = {
 VERIFICATION_FORMATS = ["pdf", "png"]
 
 
-def part(name, source=None):
-    """Tables of a part, its module, and the hash of the code behind it."""
-    source = f"abradem.verification.{source or name}"
-    return {
-        "tables": PARTS[name],
-        "module": source,
-        "code": code_of("verification/part", source),
-    }
-
-
 rule verification:
-    """Target, on demand: the engine against what is known."""
+    """Target, on demand: the verification study of the engine."""
     input:
         f"{VERIFIED}/results.md",
         expand(
@@ -64,7 +54,7 @@ rule verification:
 
 
 rule verification_laws:
-    """Closed forms, sweeps and the order of convergence."""
+    """Single impacts against closed forms, and the order of convergence."""
     output:
         **part_files("laws", "parquet"),
         text=list(part_files("laws", "csv").values()),
@@ -79,7 +69,7 @@ rule verification_laws:
 
 
 rule verification_chung_ooi:
-    """The eight particle-level tests of Chung & Ooi."""
+    """The eight particle-level tests of Chung & Ooi (2011)."""
     output:
         **part_files("chung_ooi", "parquet"),
         text=list(part_files("chung_ooi", "csv").values()),
@@ -94,7 +84,7 @@ rule verification_chung_ooi:
 
 
 rule verification_codes:
-    """Independent codes under the same options."""
+    """Comparison with independent codes with the same options."""
     input:
         impacts=file_of_workflow("tests/data/codes/single_impacts.csv"),
         jets=file_of_workflow("tests/data/codes/jets.csv"),
@@ -113,7 +103,7 @@ rule verification_codes:
 
 
 rule verification_time_step:
-    """What the step does to each wear measure."""
+    """Effect of the time step on each wear measure."""
     output:
         **part_files("time_step", "parquet"),
         text=list(part_files("time_step", "csv").values()),
@@ -128,7 +118,7 @@ rule verification_time_step:
 
 
 rule verification_statistics:
-    """Standard errors against replicates."""
+    """Standard errors compared with replicates."""
     output:
         **part_files("statistics", "parquet"),
         text=list(part_files("statistics", "csv").values()),
@@ -173,7 +163,7 @@ rule verification_conveyor:
 
 
 rule verification_trends:
-    """Exponents in dilute jets."""
+    """Exponents of the wear in dilute jets."""
     output:
         **part_files("trends", "parquet"),
         text=list(part_files("trends", "csv").values()),
@@ -188,7 +178,7 @@ rule verification_trends:
 
 
 rule verification_facets_and_bed:
-    """Facets as bookkeeping; the books of a bed."""
+    """Independence of the facet size, and the balances of a bed."""
     output:
         **part_files("facets_and_bed", "parquet"),
         text=list(part_files("facets_and_bed", "csv").values()),
@@ -203,7 +193,7 @@ rule verification_facets_and_bed:
 
 
 rule verification_results:
-    """All checks of the verification study: one table, one page, and the count of those that hold."""
+    """All checks of the verification study: table, results page, and number of checks that hold."""
     input:
         [f"{VERIFIED}/tables/{part}_checks.parquet" for part in PARTS],
     output:

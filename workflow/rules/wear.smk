@@ -1,7 +1,7 @@
 WEAR_RATES = batch_paths(
     f"{RESULTS}/wear_rates/block-{{block}}-batch-{{batch}}.parquet"
 )
-# The same parts on every machine, so that the number of cores changes nothing.
+# A fixed number of parts, so that the results do not depend on the number of cores.
 REPLICATE_PARTS = range(4)
 
 
@@ -37,7 +37,7 @@ rule wear_rates:
 
 
 rule angles:
-    """Wear depth against time for angles of plate and factory."""
+    """Wear depth against time for several plate angles and factory angles."""
     output:
         curves=f"{RESULTS}/angles_curves.parquet",
         rates=f"{RESULTS}/angles_rates.parquet",
@@ -66,7 +66,7 @@ rule angles:
 rule replicates:
     """Some cases simulated again with other seeds."""
 
-    # Of the first block, so that a study that grows or shrinks keeps them.
+    # From the first block only, so that they do not change with the number of blocks.
     input:
         expand(rules.sample.output, block=f"{BLOCKS[0]:03d}"),
     output:

@@ -1,0 +1,1 @@
+"""The command line `abradem`: `main` defines the commands, `predict` the command of that name."""

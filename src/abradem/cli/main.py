@@ -1,6 +1,6 @@
 """The command line: predict a wear rate, repeat one case of a study, check a configuration.
 
-Whatever is wrong ends as one line for each problem on stderr, and exit code 2.
+Invalid input ends with one line for each problem on stderr and exit code 2.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ import abradem
 from abradem.cli.predict import add_parser as add_predict
 
 WRONG_INPUT = 2
-"""Exit code where what was given is wrong."""
+"""Exit code for invalid input."""
 
 NOT_OK = 1
-"""Exit code where a case was simulated but did not end well."""
+"""Exit code for a case that was simulated but did not complete normally."""
 
 
 class InputError(ValueError):
-    """Wrong input; the text is one line."""
+    """Invalid input; the message is one line."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -39,14 +39,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _is_of_the_user(error: Exception) -> bool:
-    """Tell an explained error, or one of the file system, from a bug."""
+    """Whether an error is due to the user's input or the file system, and not a bug."""
     explained = ("InputError", "ConfigError", "TableError", "PredictionError")
     return isinstance(error, OSError) or type(error).__name__ in explained
 
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str):
-        # One line; the usage is a --help away.
+        # One line without the usage, which --help prints.
         self.exit(WRONG_INPUT, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
 
@@ -57,13 +57,14 @@ def _parser() -> argparse.ArgumentParser:
 
     simulate = commands.add_parser(
         "simulate",
-        help="repeat one case of a study, bit for bit",
-        description="Repeat one case of a study, bit for bit.",
+        help="repeat the simulation of one case of a study, bit for bit",
+        description="Repeat the simulation of one case of a study, bit for bit.",
     )
     simulate.add_argument(
-        "--study", required=True, type=Path, metavar="FOLDER", help="such as results/paper"
-    )
-    simulate.add_argument("--case", required=True, type=int, metavar="N", help="its number")
+        "--study", required=True, type=Path, metavar="FOLDER",
+        help="results of the study, such as results/paper",
+    )  # fmt: skip
+    simulate.add_argument("--case", required=True, type=int, metavar="N", help="number of the case")
     simulate.add_argument(
         "--series", type=Path, metavar="FILE", help="write the worn volume over time (Parquet)"
     )
@@ -77,7 +78,7 @@ def _parser() -> argparse.ArgumentParser:
         "--interval",
         type=_positive,
         metavar="S",
-        help="simulated seconds between snapshots; that of the study if not given",
+        help="simulated seconds between snapshots; default: that of the study",
     )
     simulate.set_defaults(run=_simulate)
 
@@ -85,8 +86,8 @@ def _parser() -> argparse.ArgumentParser:
 
     config = commands.add_parser(
         "config",
-        help="check a configuration and say what it would run",
-        description="Check a configuration and say what it would run.",
+        help="check a configuration and print what it would run",
+        description="Check a configuration and print what it would run.",
     )
     what = config.add_mutually_exclusive_group(required=True)
     what.add_argument(
@@ -94,14 +95,14 @@ def _parser() -> argparse.ArgumentParser:
         nargs="+",
         type=Path,
         metavar="FILE",
-        help="files, each merged over those before it: config.yaml studies/smoke.yaml",
+        help="files; later files override earlier ones: config.yaml studies/smoke.yaml",
     )
     what.add_argument(
         "--folder",
         nargs="+",
         type=Path,
         metavar="FILE",
-        help="check them and print the folder of the results instead",
+        help="check the files and print the folder of the results instead",
     )
     config.set_defaults(run=_check_config)
     return parser
@@ -113,7 +114,7 @@ def _positive(text: str) -> float:
     except ValueError:
         value = math.nan
     if not (value > 0.0 and math.isfinite(value)):
-        raise argparse.ArgumentTypeError(f"{text!r} is no positive number")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
     return value
 
 
@@ -161,14 +162,24 @@ def _simulate(options: argparse.Namespace) -> int:
 
 
 def find_case(study: Path, case: int) -> dict:
-    """Return the row of a case in ``cases/block-*.parquet`` of a study's results.
+    """Find the row of a case in ``cases/block-*.parquet`` of the results of a study.
 
     Parameters
     ----------
     study : path
         Folder of the results.
     case : int
-        The case's number.
+        Number of the case.
+
+    Returns
+    -------
+    dict
+        The row by column name.
+
+    Raises
+    ------
+    InputError
+        If there are no cases, or not this one.
     """
     from abradem.store.tables import read_table
 
@@ -179,7 +190,7 @@ def find_case(study: Path, case: int) -> dict:
         if (found := re.fullmatch(r"block-(\d+)\.parquet", path.name))
     }
     if not files:
-        raise InputError(f"{folder}: holds no block-*.parquet; run the study's sampling first")
+        raise InputError(f"{folder}: has no block-*.parquet; run the sampling of the study first")
     most = -1
     for _, path in sorted(files.items()):
         cases = read_table(path)
@@ -192,12 +203,12 @@ def find_case(study: Path, case: int) -> dict:
 
 def _existing(folder: Path) -> Path:
     if not folder.is_dir():
-        raise InputError(f"{folder}: there is no such folder; give one such as results/paper")
+        raise InputError(f"{folder}: there is no such folder; expected one such as results/paper")
     return folder
 
 
 def _wear_line(tables: dict, row: dict, setup: dict, options) -> str:
-    """Say the headline wear rate of a case that was simulated."""
+    """One line with the headline wear rate of a simulated case."""
     import pandas as pd
 
     from abradem.dem.model import Setup

@@ -1,6 +1,6 @@
-"""`abradem predict`: quantities in, wear depth rate and hours out, as text or as a table.
+"""The command `abradem predict`: wear depth rate and service life of single cases or of a table.
 
-Light for single cases; pandas and pyarrow load for tables.
+Single cases need only numpy and safetensors; pandas and pyarrow are imported for tables.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
-from abradem.surrogate.materials import PARTICLES, PLATES, preset
+from abradem.surrogate.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, preset
 from abradem.surrogate.model import PredictionError, Surrogate
 from abradem.units import UNITS, parse_value
 from abradem.words.labels import LABELS
@@ -28,8 +28,8 @@ def add_parser(commands) -> None:
     """Add the command to the subparsers of the command line."""
     parser = commands.add_parser(
         "predict",
-        help="wear depth rate of a plate, with an interval, in no time",
-        description="Wear depth rate of a plate, mean over it, by the surrogate of a study.",
+        help="predict the wear depth rate of a plate, with an interval",
+        description="Predict the mean wear depth rate of a plate with the surrogate of a study.",
         epilog=f"quantities:\n{_quantities()}\n\nmaterials:\n{_materials()}\n\n{EXAMPLE}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -38,28 +38,35 @@ def add_parser(commands) -> None:
     )
     parser.add_argument(
         "--material",
-        choices=sorted(PARTICLES),
-        help="takes what is not given from a preset, on steel",
+        choices=sorted(PARTICLE_MATERIALS),
+        help="preset for the quantities that are not given, on a steel plate",
     )
     parser.add_argument(
         "--model",
         metavar="STEM",
-        help="of the surrogate's files; results/<study>/models/surrogate of ./config.yaml if not "
-        "given",
+        help="surrogate files without suffix; default: results/<study>/models/surrogate with the "
+        "study of ./config.yaml",
     )
     parser.add_argument(
-        "--confidence", type=float, default=0.95, metavar="P", help="of the interval, 0.95"
+        "--confidence",
+        type=float,
+        default=0.95,
+        metavar="P",
+        help="level of the interval; default: 0.95",
     )
     parser.add_argument(
-        "--depth", metavar="VALUE", help="also hours until the plate is worn by it, such as 5mm"
+        "--depth", metavar="VALUE", help="also print the hours until this wear depth, such as 5mm"
     )
     parser.add_argument(
         "--table", type=Path, metavar="FILE",
-        help="many cases, .csv or .parquet with the quantities as columns; what a table lacks is "
-        "taken from NAME=VALUE and --material",
+        help="predict many cases: .csv or .parquet with the quantities as columns; missing columns "
+        "are taken from NAME=VALUE and --material",
     )  # fmt: skip
     parser.add_argument(
-        "--output", type=Path, metavar="FILE", help="the table with predictions, .csv or .parquet"
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="write the table with predictions, .csv or .parquet",
     )
     parser.add_argument(
         "--onnx", type=Path, metavar="FILE", help="write the surrogate as ONNX (extra: onnx)"
@@ -68,7 +75,7 @@ def add_parser(commands) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the command."""
+    """Run the command and return the exit code."""
     surrogate = Surrogate.load(options.model or default_model())
     depth = None if options.depth is None else _depth(options.depth)
     if options.onnx:
@@ -101,14 +108,14 @@ def run(options: argparse.Namespace) -> int:
 
 
 def default_model(config: Path = Path("config.yaml")) -> str:
-    """Stem of the surrogate of the study that a configuration names."""
+    """Path, without suffix, of the surrogate of the study of a configuration."""
     import yaml
 
     try:
         study = yaml.safe_load(config.read_text(encoding="utf-8"))["study"]
     except FileNotFoundError:
         raise PredictionError(
-            "--model is not given, and there is no config.yaml here that names a study"
+            "--model is not given, and there is no config.yaml here to take the study from"
         ) from None
     except (yaml.YAMLError, UnicodeDecodeError, KeyError, TypeError):
         raise PredictionError("--model is not given, and config.yaml names no study") from None
@@ -116,7 +123,7 @@ def default_model(config: Path = Path("config.yaml")) -> str:
 
 
 def _given(options: argparse.Namespace) -> dict[str, float]:
-    """Quantities of preset and command line, those of the command line on top."""
+    """Quantities of the preset and of the command line; the command line takes precedence."""
     given = dict(preset(options.material)) if options.material else {}
     problems, seen = [], set()
     for text in options.values:
@@ -139,12 +146,12 @@ def _given(options: argparse.Namespace) -> dict[str, float]:
 
 
 def _depth(text: str) -> float:
-    """A depth in mm."""
+    """Convert a depth to mm."""
     try:
         return 1e3 * parse_value("particle_radius", text if text[-1:].isalpha() else f"{text}mm")
     except ValueError:
         raise PredictionError(
-            f"depth = {text!r} is no length (allowed {', '.join(UNITS['m'])}; mm if none is given)"
+            f"depth = {text!r} is not a length (units: {', '.join(UNITS['m'])}; mm by default)"
         ) from None
 
 
@@ -172,7 +179,7 @@ def _predict_table(options, surrogate: Surrogate, given: dict, depth: float | No
             "hours": (middle, "h"), "hours_lower": (least, "h"), "hours_upper": (most, "h"),
         }  # fmt: skip
     _write(table, columns, options.output)
-    print(f"{len(table)} cases predicted, {options.output}")
+    print(f"{len(table)} cases predicted, written to {options.output}")
 
 
 def _read(path: Path):
@@ -187,9 +194,9 @@ def _read(path: Path):
         raise PredictionError(f"{path}: there is no such file") from None
     except (ValueError, OSError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise PredictionError(f"{path}: no such table ({reason})") from None
+        raise PredictionError(f"{path}: cannot be read ({reason})") from None
     if not len(table):
-        raise PredictionError(f"{path}: holds no rows")
+        raise PredictionError(f"{path}: has no rows")
     return table
 
 
@@ -228,5 +235,6 @@ def _quantities() -> str:
 
 
 def _materials() -> str:
-    presets = {**PARTICLES, **{f"{name} (the plate)": one for name, one in PLATES.items()}}
+    plates = {f"{name} (the plate)": one for name, one in PLATE_MATERIALS.items()}
+    presets = {**PARTICLE_MATERIALS, **plates}
     return "\n".join(f"  {name:20}{one.source}" for name, one in presets.items())

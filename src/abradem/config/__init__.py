@@ -1,11 +1,11 @@
-"""The configuration: what may stand in it, what each key means, and what is wrong with one.
+"""The configuration: its keys, their meaning, and the checks.
 
-One declaration, `Config`, is the source of the check, of the schema
-(``workflow/schemas/config.schema.json``) and of the documentation (``docs/config.md``);
-``python -m abradem.config --write`` regenerates both. Every problem of a configuration is
-reported as one line ``file: key: value: what is wrong (allowed ...)``.
+The declaration `Config` is the single source of the checks, the schema
+(``workflow/schemas/config.schema.json``) and the documentation (``docs/config.md``);
+``python -m abradem.config --write`` regenerates the latter two. Each problem of a configuration
+is reported in one line, ``file: key: value: problem (allowed ...)``.
 
-The module is light (pydantic and PyYAML), as the Snakefile imports it on every start.
+The package imports only pydantic and PyYAML, because the Snakefile imports it at every start.
 """
 
 from abradem.config.declaration import Config

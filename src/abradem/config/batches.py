@@ -1,24 +1,24 @@
-"""How many cases one job simulates."""
+"""Batches of cases: the cases that one job simulates."""
 
 from __future__ import annotations
 
 import math
 
 JOBS_PER_BLOCK = 10
-"""Jobs that ``cases_per_job: auto`` makes of a block: enough to keep a few cores busy, few enough
-for their starts to stay below a tenth of the time of thousands of cases."""
+"""Number of jobs per block with ``cases_per_job: auto``: enough to keep a few cores busy, and few
+enough that starting them takes less than a tenth of the time of thousands of cases."""
 
 
 MOST_CASES_PER_JOB = 100
-"""Most cases of a job that ``cases_per_job: auto`` allows: what an interruption can cost."""
+"""Largest number of cases per job with ``auto``; limits the loss by an interruption."""
 
 
 def cases_per_job(setting: str | int, cases_per_block: int) -> int:
-    """Cases of one job.
+    """Return the number of cases per job.
 
-    ``auto`` makes about `JOBS_PER_BLOCK` jobs of a block, with `MOST_CASES_PER_JOB` cases at
-    most: starting a job costs seconds. The rule looks at the block alone, so that neither more
-    blocks nor another machine cuts the batches differently.
+    ``auto`` divides a block into about `JOBS_PER_BLOCK` jobs with at most `MOST_CASES_PER_JOB`
+    cases each, because starting a job takes seconds. The rule depends only on the size of a block,
+    so the batches stay the same with more blocks or on another machine.
     """
     if setting != "auto":
         return min(int(setting), cases_per_block)
@@ -26,13 +26,13 @@ def cases_per_job(setting: str | int, cases_per_block: int) -> int:
 
 
 def batches_of_block(cases_per_block: int, setting: str | int = "auto") -> list[tuple[int, int]]:
-    """First and last-plus-one case of every batch, counted within the block.
+    """Return the first case and the last case plus one of every batch, counted in the block.
 
     Parameters
     ----------
     cases_per_block : int
     setting : "auto" or int
-        Cases of one job, see `cases_per_job`.
+        Cases per job, see `cases_per_job`.
     """
     step = cases_per_job(setting, cases_per_block)
     return [

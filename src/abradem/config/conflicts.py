@@ -1,4 +1,4 @@
-"""What is wrong with several keys together."""
+"""Checks that involve several keys."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from abradem.quantities import WEAR_MEASURES
 
 
 def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
-    """Yield key and problem for values that are fine alone but not together."""
-    # Some file systems do not tell capital letters from small ones.
+    """Yield key and problem for values that are valid alone but not together."""
+    # Some file systems do not distinguish upper and lower case.
     if config.study.lower() in TAKEN_NAMES:
         yield ("study",), f"is taken by {TAKEN_NAMES[config.study.lower()]} (allowed: another name)"
     external = config.dataset.external
     if external is not None and _is_below(external, f"results/{config.study}"):
         yield (
             ("dataset", "external"),
-            "is a result of this very study (allowed: a file elsewhere, or another study)",
+            "is a result of this study itself (allowed: a file elsewhere, or another study)",
         )
     simulation = config.simulation
     yield from _feed_conflicts(simulation.factory)
@@ -84,7 +84,7 @@ def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
         (("figures", "movie", "plate_angles"), config.figures.movie.plate_angles),
     ):
         if len(set(items)) < len(items):
-            yield key, "names an item twice (allowed once each)"
+            yield key, "contains an item twice (allowed once each)"
     if "png" not in config.figures.formats:
         yield ("figures", "formats"), "must include png, which the report shows (allowed pdf, png)"
 
@@ -93,20 +93,20 @@ TAKEN_NAMES = {
     "verification": "the results of make verify",
     "benchmarks": "the results of make bench",
 }
-"""Folders under results/ that are no study's."""
+"""Folders under results/ that do not belong to a study."""
 
 MOST_FACETS = 1_000_000
-"""More facets than this would fill tables, not resolve wear."""
+"""Largest number of facets; more would enlarge tables without resolving the wear better."""
 
 MOST_CASES = 1_000_000
 MOST_JOBS = 20_000
-"""Simulation jobs beyond which the workflow needs minutes, then hours, to begin."""
+"""Largest number of simulation jobs; with more the workflow takes minutes to hours to start."""
 
 MOST_SAMPLES = 100_000
-"""Samples of the worn volume that the engine takes of a case."""
+"""Largest number of samples of the worn volume that the engine records for a case."""
 
 MOST_MAP_BYTES = 4e9
-"""Memory of a case's maps of worn volume by facet, ten of which are kept for each window."""
+"""Largest memory for the maps of wear by facet of a case; ten maps are kept for each window."""
 
 
 def _is_below(path: str, folder: str) -> bool:
@@ -117,7 +117,7 @@ def _is_below(path: str, folder: str) -> bool:
 
 
 def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
-    """What would fill disk or memory, or never begin."""
+    """Yield settings that would fill disk or memory, or with too many jobs to start."""
     sampling, simulation = config.sampling, config.simulation
     plate, stop = simulation.plate, simulation.stop
     if config.cases > MOST_CASES:
@@ -173,9 +173,9 @@ def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             )
     points = config.learning.physical.sobol_points
     if points & (points - 1):
-        yield ("learning", "physical", "sobol_points"), "is no power of two"
+        yield ("learning", "physical", "sobol_points"), "is not a power of two"
     if config.dataset.columns and config.dataset.external is None:
-        yield ("dataset", "columns"), "needs the table it is about, dataset.external"
+        yield ("dataset", "columns"), "requires a table in dataset.external"
 
 
 def _feed_conflicts(factory: Factory) -> Iterator[tuple[Key, str]]:

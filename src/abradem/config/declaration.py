@@ -1,4 +1,4 @@
-"""What may stand in a configuration: each key, its default, its unit and what is allowed."""
+"""Declaration of the configuration: every key with its default, unit and allowed values."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from abradem.quantities import SAMPLED, STATISTICS, WEAR_MEASURES, Quantity
 from abradem.words.labels import LABELS
 
 STUDY_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
-"""A study's name is a folder under results/, so it holds no separators, dots or blanks."""
+"""The name of a study is a folder under results/, so separators, dots and blanks are excluded."""
 
 
 class Section(BaseModel):
@@ -23,13 +23,13 @@ class Section(BaseModel):
 
 
 def _key(default: Any, description: str, *, unit: str = "", allowed: str = "", **bounds) -> Any:
-    """Return a field with its help text, its unit and, where bounds cannot say it, its limits."""
-    extra = {name: text for name, text in (("unit", unit), ("allowed", allowed)) if text}
+    """Return a field with its help text, its unit and, if bounds do not suffice, its limits."""
+    extra: dict[str, Any] = {name: text for name, text in (("unit", unit), ("allowed", allowed)) if text}
     return Field(default, description=description, json_schema_extra=extra or None, **bounds)
 
 
 def _range_field(row: Quantity) -> tuple[Any, Any]:
-    """Return annotation and field of one quantity's range, in the configuration's unit."""
+    """Return annotation and field for the range of a quantity, in the unit of its key."""
     low, high = (_from_si(row, bound) for bound in row.limits)
 
     def check(value: Any) -> tuple[float, float]:
@@ -63,7 +63,7 @@ def number_text(value: float) -> str:
 
 
 def yaml_float(text: str) -> str:
-    """Return a number's text such that YAML 1.1 reads a number: 1e-10 is text, 1.0e-10 not."""
+    """Return the text of a number as YAML 1.1 needs it: 1e-10 is read as text, 1.0e-10 is not."""
     mantissa, e, exponent = text.partition("e")
     if not e:
         return text
@@ -72,12 +72,12 @@ def yaml_float(text: str) -> str:
 
 
 def _from_si(row: Quantity, value: float) -> float:
-    """Return ``value`` in the configuration's unit, without the noise of 40e-3 / 1e-3."""
+    """Return ``value`` in the unit of its key, without the rounding error of 40e-3 / 1e-3."""
     return float(f"{value / row.config_factor:.12g}")
 
 
 def to_si(row: Quantity, value: float) -> float:
-    """Return ``value`` of the configuration in the table's unit."""
+    """Return ``value`` of the configuration in the unit of the quantity in tables."""
     if row.config_factor < 1.0:
         # 7 / 1000 is the double nearest to 0.007; 7 * 1e-3 need not be.
         return value / round(1.0 / row.config_factor)
@@ -85,7 +85,7 @@ def to_si(row: Quantity, value: float) -> float:
 
 
 def _unit_slip(row: Quantity, bounds: Sequence[float]) -> str:
-    """Return a hint if ``bounds`` make sense in the table's unit instead of the key's."""
+    """Return a hint if ``bounds`` are plausible in the SI unit instead of the unit of the key."""
     low, high = row.limits
     if not row.config_suffix or not all(
         isinstance(bound, (int, float)) and low <= bound <= high for bound in bounds
@@ -103,7 +103,7 @@ def _require_number(value: Any) -> None:
 
 
 def not_a_number(value: Any, wanted: str) -> str:
-    """Say why ``value`` is no number; text that looks like one gets a hint."""
+    """Return why ``value`` is not a number, with a hint if it is text that looks like one."""
     if isinstance(value, str):
         try:
             number = float(value)
@@ -117,15 +117,15 @@ def not_a_number(value: Any, wanted: str) -> str:
     return f"must be a {wanted}"
 
 
-class Ranges(
-    create_model(
-        "Ranges", __base__=Section, **{row.config_key: _range_field(row) for row in SAMPLED}
-    )
-):
+_FIELDS: dict[str, Any] = {row.config_key: _range_field(row) for row in SAMPLED}
+_RANGES: Any = create_model("Ranges", __base__=Section, **_FIELDS)
+
+
+class Ranges(_RANGES):
     """Ranges of the 14 sampled quantities.
 
-    Each is [lower bound, upper bound], or one number to keep the quantity fixed. A key left
-    out takes the paper's range.
+    Each is [lower bound, upper bound], or one number for a fixed quantity. The default of each
+    key is the range of the paper.
     """
 
 
@@ -134,19 +134,20 @@ class Sampling(Section):
 
     method: Literal["lhs", "sobol", "uniform"] = _key(
         "lhs",
-        "How the sets of a block are drawn: Latin hypercube (every quantity evenly covered), "
-        "scrambled Sobol sequence (evenly filled space, best with 2^n cases in all) or "
-        "independent uniform numbers.",
+        "How the parameter sets of a block are drawn: Latin hypercube (covers the range of each "
+        "quantity evenly), scrambled Sobol sequence (fills the space evenly, best with 2^n cases "
+        "in total) or independent uniform random numbers.",
     )
     blocks: int = _key(
         2,
-        "Number of blocks. More blocks add cases and leave all earlier ones as they were.",
+        "Number of blocks. More blocks add cases; all existing cases stay the same.",
         ge=1,
         le=10_000,
     )
     cases_per_block: int = _key(
         100,
-        "Cases in one block. Changing it draws every block again; to grow a study add blocks.",
+        "Cases in one block. If it is changed, all blocks are drawn again; to enlarge a study, add "
+        "blocks instead.",
         ge=1,
         le=100_000,
     )
@@ -156,14 +157,14 @@ class Sampling(Section):
 
 
 class PlateKeys(Section):
-    """The plate that wears: flat, tilted by the plate angle about its centre."""
+    """The plate: a flat rectangle, tilted about its centre by the plate angle."""
 
     length_mm: float = _key(300.0, "Extent along the slope.", unit="mm", gt=0.0, le=100_000.0)
     width_mm: float = _key(300.0, "Extent across the slope.", unit="mm", gt=0.0, le=100_000.0)
     facet_size_mm: float = _key(
         10.0,
-        "Largest edge of a wear facet; the plate is divided evenly. The worst facet and the "
-        "99th percentile depend on it.",
+        "Largest edge of a wear facet; the plate is divided into equal facets. The maximum and "
+        "the 99th percentile over the facets depend on it.",
         unit="mm",
         gt=0.0,
         le=100_000.0,
@@ -171,11 +172,11 @@ class PlateKeys(Section):
 
 
 class Factory(Section):
-    """Where the particles start and how many."""
+    """Release of the particles: position and rate."""
 
     patch_length_mm: float = _key(
         100.0,
-        "Extent of the patch of particle centres along its own slope.",
+        "Extent of the patch of particle centres along its slope.",
         unit="mm",
         gt=0.0,
         le=100_000.0,
@@ -189,45 +190,45 @@ class Factory(Section):
     )
     fall_height_mm: float = _key(
         250.0,
-        "Height of the patch's centre above the plate's centre.",
+        "Height of the centre of the patch above the centre of the plate.",
         unit="mm",
         gt=0.0,
         le=100_000.0,
     )
     feed: Literal["mass", "number"] = _key(
-        "mass", "Which rate is held: mass per time or particles per time."
+        "mass", "Which rate is prescribed: mass per time or particles per time."
     )
     mass_rate_kg_s: float | None = _key(
-        4.0, "Mass rate with feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
+        4.0, "Mass rate for feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
     )
     number_rate_per_s: float | None = _key(
-        None, "Particle rate with feed: number, otherwise null.", unit="1/s", gt=0.0, le=1e9
+        None, "Particle rate for feed: number, otherwise null.", unit="1/s", gt=0.0, le=1e9
     )
 
 
 class Contact(Section):
-    """Options of the contact law that the published law leaves open."""
+    """Options of the contact law that the paper does not specify."""
 
     normal: Literal["exact_e", "nominal_clipped", "nominal_attractive"] = _key(
         "exact_e",
-        "exact_e: never attractive, an isolated impact rebounds at exactly e. nominal_clipped: "
-        "the textbook damping, never attractive. nominal_attractive: the textbook damping, "
-        "attraction at the end of a contact allowed.",
+        "exact_e: never attractive, and an isolated impact rebounds at exactly e. "
+        "nominal_clipped: the textbook damping, clipped so that it is never attractive. "
+        "nominal_attractive: the textbook damping, which is attractive at the end of a contact.",
     )
     tangential: Literal["incremental", "displacement"] = _key(
         "incremental",
-        "incremental: the spring's force grows step by step. displacement: stiffness times "
-        "accumulated displacement, as one commercial code documents.",
+        "incremental: the spring force is accumulated step by step. displacement: it is the "
+        "stiffness times the accumulated displacement, as documented for one commercial code.",
     )
     tangential_damping: Literal["capped", "none", "uncapped"] = _key(
         "capped",
-        "capped: Coulomb's law limits spring plus damping. uncapped: only the spring. none: "
-        "no tangential damping.",
+        "capped: Coulomb's law limits the sum of spring and damping force. uncapped: it limits "
+        "only the spring force. none: no tangential damping.",
     )
 
 
 class PairInteraction(Section):
-    """Contact between particles, where it differs from particle on plate."""
+    """Contact between particles, if it differs from the contact between particle and plate."""
 
     restitution: float = _key(..., "Coefficient of restitution.", ge=0.05, le=1.0)
     static_friction: float = _key(..., "Coefficient of static friction.", ge=0.0, le=2.0)
@@ -235,11 +236,12 @@ class PairInteraction(Section):
 
 
 class Stop(Section):
-    """When a simulation ends."""
+    """Stop rule: when a simulation ends."""
 
     window_s: float = _key(
         5.0,
-        "Steady time over which facets are compared, and the least steady time simulated.",
+        "Steady time over which the wear of the facets is recorded; also the shortest steady time "
+        "that is simulated.",
         unit="s",
         gt=0.0,
         le=10_000.0,
@@ -249,7 +251,7 @@ class Stop(Section):
     )
     target_stderr: float = _key(
         0.02,
-        "Relative standard error of the plate-mean wear rate at which a case may end.",
+        "A case ends when the relative standard error of its plate-mean wear rate is at most this.",
         gt=0.0,
         le=1.0,
     )
@@ -259,11 +261,11 @@ class Stop(Section):
 
 
 class Export(Section):
-    """Snapshots of positions, velocities, contact forces and wear; large, off by default."""
+    """Snapshots of positions, velocities, contact forces and wear; large files, off by default."""
 
     cases: list[Annotated[int, Field(ge=0)]] = _key(
         [],
-        "Cases to export; an empty list exports nothing.",
+        "Cases to export; nothing is exported if the list is empty.",
         allowed="a list of case numbers from 0",
     )
     interval_s: float = _key(0.01, "Simulated time between snapshots.", unit="s", gt=0.0, le=1000.0)
@@ -280,7 +282,7 @@ def _check_cases_per_job(value: Any) -> str | int:
 
 
 class Simulation(Section):
-    """Everything about a simulation that is not sampled."""
+    """All settings of a simulation that are not sampled."""
 
     cases_per_job: Annotated[
         str | int,
@@ -290,30 +292,31 @@ class Simulation(Section):
         ),
     ] = _key(
         "auto",
-        "Cases that one job simulates. Starting a job costs seconds, so several share one; "
-        "1 gives each case its own job.",
+        "Number of cases that one job simulates. Starting a job takes seconds, so several cases "
+        "share a job; with 1 each case has its own job.",
         allowed="auto or 1 ... 100000",
     )
     stepping: Literal["islands", "synchronous"] = _key(
         "islands",
-        "How time advances: islands skips the time in which nothing touches, synchronous steps "
-        "every particle in every step. Both give the same results, bit for bit.",
+        "Time stepping: islands skips the time in which nothing touches, synchronous steps every "
+        "particle in every step. Both give bitwise equal results.",
     )
     time_step_rayleigh_fraction: float = _key(
         0.15,
-        "Time step as a share of the particle's Rayleigh time. At 0.15 an impact near 5 m/s takes "
-        "about 21 steps, and total is biased by at most 0.8 % averaged over the angle of impact "
-        "(sliding 1.0 %, friction 0.1 %); at the paper's 0.2 by 1.3 % (2.6 %, 0.2 %).",
+        "Time step as a fraction of the Rayleigh time of the particle. With 0.15 an impact near "
+        "5 m/s takes about 21 steps, and the bias averaged over the impact angle is at most 0.8 % "
+        "for total, 1.0 % for sliding and 0.1 % for friction; with the paper's 0.2 it is 1.3 %, "
+        "2.6 % and 0.2 %.",
         ge=0.001,
         le=0.4,
     )
-    plate: PlateKeys = Field(default_factory=PlateKeys, description="The plate that wears.")
+    plate: PlateKeys = Field(default_factory=PlateKeys, description="The plate.")
     factory: Factory = Field(
-        default_factory=Factory, description="Where the particles start and how many."
+        default_factory=Factory, description="Release of the particles: position and rate."
     )
     removal_depth_mm: float = _key(
         100.0,
-        "Particles are removed this far below the plate's lowest point.",
+        "Depth below the lowest point of the plate at which particles are removed.",
         unit="mm",
         gt=0.0,
         le=100_000.0,
@@ -323,30 +326,39 @@ class Simulation(Section):
     )
     contact: Contact = Field(default_factory=Contact, description="Options of the contact law.")
     pair_interaction: PairInteraction | None = _key(
-        None, "Contact between particles; null takes the sampled particle-plate values."
+        None, "Contact between particles; null: the sampled values of particle and plate apply."
     )
     stop: Stop = Field(default_factory=Stop, description="When a simulation ends.")
     max_failed_share: float = _key(
         0.2,
-        "Largest share of the cases that may fail or be rejected; with more, no data set is made. "
-        "failures.parquet says why each failed.",
+        "Largest share of cases that may fail or be rejected; above it no data set is written. "
+        "failures.parquet lists the reason for each case.",
         ge=0.0,
         le=1.0,
     )
-    export: Export = Field(default_factory=Export, description="Snapshots of chosen cases.")
+    export: Export = Field(default_factory=Export, description="Snapshots of selected cases.")
 
 
 class WearRate(Section):
-    """From the worn volume over time to a rate and its quality."""
+    """Wear rates and their quality, from the worn volume over time."""
 
     min_batches: int = _key(
-        20, "Least number of equal batches behind a rate and its standard error.", ge=20, le=10_000
+        20,
+        "Smallest number of equal batches for a rate and its standard error.",
+        ge=20,
+        le=10_000,
     )
     footprint_share: float = _key(
-        0.95, "The footprint is the fewest facets that hold this share of the wear.", gt=0.0, le=1.0
+        0.95,
+        "The footprint is the smallest set of facets with this share of the wear.",
+        gt=0.0,
+        le=1.0,
     )
     good_r2: float = _key(
-        0.95, "R2 of the straight line from which a series is counted as good.", ge=0.0, le=1.0
+        0.95,
+        "A series counts as good if the R2 of its straight line is at least this.",
+        ge=0.0,
+        le=1.0,
     )
 
 
@@ -355,8 +367,9 @@ class Features(Section):
 
     damping_coefficient: Literal["table", "printed"] = _key(
         "table",
-        "X20. table: 2 sqrt(5/6) xi sqrt(m k), k = 4/3 E* R, which the paper's data hold "
-        "(negative). printed: -2 sqrt(m k_n) ln e / sqrt(ln^2 e + pi^2), as the paper prints it.",
+        "Formula of X20. table: 2 sqrt(5/6) xi sqrt(m k) with k = 4/3 E* R, as in the data of the "
+        "paper (negative). printed: -2 sqrt(m k_n) ln e / sqrt(ln^2 e + pi^2), as printed in the "
+        "paper.",
     )
 
 
@@ -366,95 +379,114 @@ _TARGETS = tuple(
 
 
 class Penalised(Section):
-    """Lasso and ridge. As published the penalties are given, leakage-free they are cross-validated."""
+    """Lasso and ridge.
+
+    As published, the penalties are given below; leakage-free, they are cross-validated.
+    """
 
     lasso_alpha: float = _key(0.1, "Penalty of the lasso as published.", gt=0.0, le=1e6)
     ridge_alpha: float = _key(1.0, "Penalty of the ridge as published.", gt=0.0, le=1e6)
-    path_points: int = _key(40, "Penalties tried along each path.", ge=5, le=1000)
+    path_points: int = _key(40, "Number of penalties tried on each path.", ge=5, le=1000)
 
 
 class Selection(Section):
-    """The features that the networks get."""
+    """Selection of the input features of the networks."""
 
-    features: int = _key(12, "How many are chosen.", ge=2, le=20)
+    features: int = _key(12, "Number of selected features.", ge=2, le=20)
 
 
 class Trees(Section):
     """Decision tree and random forest."""
 
-    max_depth: int = _key(49, "Deepest tree of the curve of depths.", ge=1, le=100)
-    forest_trees: int = _key(100, "Trees of the forest.", ge=1, le=10_000)
+    max_depth: int = _key(49, "Largest depth in the curve of score over depth.", ge=1, le=100)
+    forest_trees: int = _key(100, "Number of trees in the forest.", ge=1, le=10_000)
 
 
 class GaAnn(Section):
-    """Networks whose architecture a genetic search finds."""
+    """Networks with an architecture that is found by a genetic search."""
 
-    population: int = _key(10, "Networks in a generation.", ge=2, le=1000)
-    generations: int = _key(25, "Generations of a search.", ge=1, le=10_000)
-    min_layers: int = _key(2, "Fewest hidden layers.", ge=1, le=20)
-    max_layers: int = _key(6, "Most hidden layers.", ge=1, le=20)
-    min_neurons: int = _key(10, "Fewest neurons of a layer.", ge=1, le=10_000)
-    max_neurons: int = _key(500, "Most neurons of a layer.", ge=1, le=10_000)
+    population: int = _key(10, "Networks per generation.", ge=2, le=1000)
+    generations: int = _key(25, "Generations per search.", ge=1, le=10_000)
+    min_layers: int = _key(2, "Smallest number of hidden layers.", ge=1, le=20)
+    max_layers: int = _key(6, "Largest number of hidden layers.", ge=1, le=20)
+    min_neurons: int = _key(10, "Smallest number of neurons per layer.", ge=1, le=10_000)
+    max_neurons: int = _key(500, "Largest number of neurons per layer.", ge=1, le=10_000)
     selection: Literal["tournament", "roulette"] = _key(
         "tournament",
-        "How parents are chosen: the best of a few drawn, or by chance in proportion to fitness.",
+        "Selection of parents: tournament takes the best of a few random networks, roulette "
+        "draws with a probability proportional to the fitness.",
     )
-    tournament_size: int = _key(3, "Drawn for a tournament.", ge=1, le=1000)
-    crossover: float = _key(0.9, "Chance that two parents exchange layers.", ge=0.0, le=1.0)
+    tournament_size: int = _key(3, "Networks per tournament.", ge=1, le=1000)
+    crossover: float = _key(0.9, "Probability that two parents exchange layers.", ge=0.0, le=1.0)
     mutation: float = _key(
-        0.2, "Chance that one layer of a child changes, and its start weights.", ge=0.0, le=1.0
+        0.2,
+        "Probability that one layer of a child and its start weights change.",
+        ge=0.0,
+        le=1.0,
     )
     mutation_size: float = _key(
-        0.2, "Largest relative change of the neurons of that layer.", gt=0.0, le=1.0
+        0.2, "Largest relative change of the number of neurons in that layer.", gt=0.0, le=1.0
     )
-    elites: int = _key(1, "The best that pass unchanged.", ge=0, le=999)
+    elites: int = _key(1, "Number of best networks that are kept unchanged.", ge=0, le=999)
     weights: Literal["seed", "inherited"] = _key(
         "seed",
-        "Start weights of a child: from a seed, or those its first parent was left with, as far "
-        "as the layers overlap.",
+        "Start weights of a child: random from a seed, or the trained weights of its first "
+        "parent, as far as the layers overlap.",
     )
-    epochs: int = _key(20, "Passes over the rows in the search.", ge=1, le=100_000)
-    batch: int = _key(32, "Rows in a mini-batch of the search.", ge=1, le=1_000_000)
-    final_epochs: int = _key(60, "Passes over the rows for the found net.", ge=1, le=100_000)
-    final_batch: int = _key(50, "Rows in a mini-batch for the found net.", ge=1, le=1_000_000)
-    learning_rate: float = _key(0.001, "Step of the optimiser (Adam).", gt=0.0, le=1.0)
+    epochs: int = _key(20, "Epochs of a training during the search.", ge=1, le=100_000)
+    batch: int = _key(32, "Rows per mini-batch during the search.", ge=1, le=1_000_000)
+    final_epochs: int = _key(60, "Epochs of a training of the best network.", ge=1, le=100_000)
+    final_batch: int = _key(50, "Rows per mini-batch for the best network.", ge=1, le=1_000_000)
+    learning_rate: float = _key(0.001, "Learning rate of the optimiser (Adam).", gt=0.0, le=1.0)
     validation_share: float = _key(
-        0.25, "Share of the training rows that give the fitness (leakage-free).", ge=0.05, le=0.9
+        0.25,
+        "Share of the training rows that the fitness is computed on (leakage-free).",
+        ge=0.05,
+        le=0.9,
     )
     retrainings: int = _key(
-        10, "Trainings of the found net from different start weights.", ge=1, le=1000
+        10, "Trainings of the best network from different start weights.", ge=1, le=1000
     )
     searches: int = _key(
         1,
-        "Leakage-free searches, each inside the training rows of another split. 1 is one fixed split; "
-        "more nest the whole search and take that many times as long.",
+        "Number of leakage-free searches, each in the training rows of a different split. With 1 "
+        "there is one fixed split; with more the whole search is nested and takes that many times "
+        "as long.",
         ge=1,
         le=1000,
     )
     device: Literal["cpu", "cuda"] = _key(
-        "cpu", "Where networks are trained: one per core, or in batches on a graphics card."
+        "cpu",
+        "Device for the training of networks: cpu trains one per core, cuda trains batches of "
+        "networks on a GPU.",
     )
 
 
 class Physical(Section):
-    """Models of the wear number on dimensionless groups, their intervals and their reach."""
+    """Physics-informed models of the wear number on dimensionless groups, and their intervals."""
 
-    boosting_trees: int = _key(400, "Trees of the boosting.", ge=1, le=100_000)
-    boosting_depth: int = _key(4, "Splits along a branch of its trees.", ge=1, le=50)
-    networks: int = _key(4, "Networks of the ensemble.", ge=1, le=1000)
+    boosting_trees: int = _key(400, "Number of boosted trees.", ge=1, le=100_000)
+    boosting_depth: int = _key(4, "Largest depth of a boosted tree.", ge=1, le=50)
+    networks: int = _key(4, "Networks in the ensemble.", ge=1, le=1000)
     network_steps: int = _key(
-        1000, "Mini-batches that each of them is trained on.", ge=1, le=10_000_000
+        1000, "Number of mini-batches that each network is trained on.", ge=1, le=10_000_000
     )
     interval_folds: int = _key(
-        10, "Folds that the intervals are calibrated and tested on.", ge=2, le=1000
+        10,
+        "Folds for the calibration and the test of the prediction intervals.",
+        ge=2,
+        le=1000,
     )
     target_repeats: int = _key(
-        5, "Random splits behind the scores of every target, and permutations.", ge=1, le=10_000
+        5,
+        "Random splits for the scores of every target, and number of permutations.",
+        ge=1,
+        le=10_000,
     )
-    curve_repeats: int = _key(10, "Random splits behind the learning curve.", ge=1, le=10_000)
+    curve_repeats: int = _key(10, "Random splits for the learning curve.", ge=1, le=10_000)
     sobol_points: int = _key(
         2048,
-        "Base points of the Sobol indices.",
+        "Number of base points for the Sobol indices.",
         ge=8,
         le=2**20,
         allowed="a power of two from 8 to 1048576",
@@ -462,86 +494,98 @@ class Physical(Section):
 
 
 class Noise(Section):
-    """Simulations of the same cases with other seeds: how much of the wear is chance."""
+    """Repeated simulations with other seeds, for the random part of a simulated wear rate."""
 
     cases: int = _key(
-        10, "Cases that are repeated, of those with large particles.", ge=1, le=10_000
+        10, "Number of repeated cases, among those with large particles.", ge=1, le=10_000
     )
-    replicates: int = _key(8, "Repetitions of each.", ge=1, le=10_000)
+    replicates: int = _key(8, "Simulations of each of these cases.", ge=1, le=10_000)
 
 
 class SurrogateModel(Section):
-    """The small network behind `abradem predict`."""
+    """The small network that `abradem predict` uses."""
 
     points: int = _key(
-        20_000, "Points at which it learns from the Gaussian process.", ge=100, le=10_000_000
+        20_000,
+        "Number of points at which it is trained on the Gaussian process.",
+        ge=100,
+        le=10_000_000,
     )
     hidden: list[Annotated[int, Field(ge=1, le=10_000)]] = _key(
         [64, 64],
-        "Neurons of its hidden layers.",
+        "Number of neurons in each hidden layer.",
         allowed="a list of numbers from 1 to 10000",
         min_length=1,
         max_length=10,
     )
-    epochs: int = _key(40, "Passes over the points.", ge=1, le=100_000)
-    repeats: int = _key(5, "Random splits behind the score of its own.", ge=1, le=10_000)
+    epochs: int = _key(40, "Epochs of the training.", ge=1, le=100_000)
+    repeats: int = _key(5, "Random splits for the score of the network.", ge=1, le=10_000)
     timed_cases: int = _key(
-        5, "Cases simulated again to time the engine against it.", ge=1, le=10_000
+        5,
+        "Cases that are simulated again to compare the run times of engine and network.",
+        ge=1,
+        le=10_000,
     )
 
 
 class Learning(Section):
     """Models of the data set, each as published and leakage-free (docs/learning.md)."""
 
-    target: Literal[_TARGETS] = _key("wear_total_mean", "Column of the data set to be explained.")
+    target: Literal[_TARGETS] = _key(  # type: ignore[valid-type]  # names of a table
+        "wear_total_mean", "Column of the data set to predict."
+    )
     test_share: float = _key(
-        0.2, "Share of the cases held out to test each fit (leakage-free).", ge=0.05, le=0.9
+        0.2, "Share of the cases held out as test set of each fit (leakage-free).", ge=0.05, le=0.9
     )
     repeats: int = _key(
-        20, "Random splits into training and test that each model is scored on.", ge=1, le=10_000
+        20, "Number of random training/test splits for the scores of a model.", ge=1, le=10_000
     )
-    folds: int = _key(5, "Folds of the cross-validations inside the training rows.", ge=2, le=1000)
-    confidence: float = _key(0.95, "Level of all intervals.", ge=0.5, le=0.9999)
+    folds: int = _key(5, "Folds of the cross-validation in the training rows.", ge=2, le=1000)
+    confidence: float = _key(0.95, "Confidence level of all intervals.", ge=0.5, le=0.9999)
     bootstrap: int = _key(
-        2000, "Draws of the test rows behind the interval of a single split.", ge=100, le=1_000_000
+        2000,
+        "Bootstrap samples of the test rows for the interval of a single split.",
+        ge=100,
+        le=1_000_000,
     )
     penalised: Penalised = Field(default_factory=Penalised, description="Lasso and ridge.")
     selection: Selection = Field(
-        default_factory=Selection, description="The features that the networks get."
+        default_factory=Selection, description="Selection of the input features of the networks."
     )
     trees: Trees = Field(default_factory=Trees, description="Decision tree and random forest.")
     ga_ann: GaAnn = Field(
         default_factory=GaAnn,
-        description="Networks whose architecture a genetic search finds.",
+        description="Networks with an architecture that is found by a genetic search.",
     )
     physical: Physical = Field(
-        default_factory=Physical, description="Models on dimensionless groups (docs/models.md)."
+        default_factory=Physical,
+        description="Physics-informed models on dimensionless groups (docs/physical.md).",
     )
     noise: Noise = Field(
-        default_factory=Noise, description="How much of a simulated wear rate is chance."
+        default_factory=Noise, description="Repeated simulations for the random part of a rate."
     )
     surrogate: SurrogateModel = Field(
-        default_factory=SurrogateModel, description="The model behind `abradem predict`."
+        default_factory=SurrogateModel, description="The model that `abradem predict` uses."
     )
 
 
 def _check_columns(value: Any) -> dict[str, str | list[str]]:
     if not isinstance(value, Mapping):
-        raise ValueError("must be a section of our names and the table's")
+        raise ValueError("must map names of quantities to columns of the table")
     for name, column in value.items():
         parts = column if isinstance(column, (list, tuple)) else [column]
         if not all(isinstance(part, str) and part for part in parts) or len(parts) not in (1, 2):
-            raise ValueError(f"{name}: must be a column's name, or [name, unit]")
+            raise ValueError(f"{name}: must be a column name, or [column, unit]")
     return {str(name): column for name, column in value.items()}
 
 
 class Dataset(Section):
-    """A table of yours in the place of the simulations."""
+    """Your own table instead of simulations."""
 
     external: str | None = _key(
         None,
-        "CSV or Parquet file; learning, figures and report then run on it and nothing is "
-        "simulated. null simulates.",
+        "CSV or Parquet file. Learning, figures and report then use this table, and nothing is "
+        "simulated. With null the data set is simulated.",
         min_length=1,
         allowed="the path of a file or null",
     )
@@ -561,14 +605,14 @@ class Dataset(Section):
         ),
     ] = _key(
         {},
-        "Our names of quantities to the table's columns, where they differ; [column, unit] where "
-        "the unit does too. Names and units of the paper's published table are known.",
+        "Column of the table for each quantity with a different column name, or [column, unit] if "
+        "the unit differs too. The names and units of the published table of the paper are known.",
         allowed="{name: column} or {name: [column, unit]}",
     )
 
 
 class Typical(Section):
-    """The case that stands for the study in pictures: the middle of all ranges but for these."""
+    """The representative case in figures: the middle of all ranges, except for these values."""
 
     plate_angle: float = _key(35.0, "Plate angle.", unit="deg", ge=-90.0, le=90.0)
     factory_angle: float = _key(-30.0, "Factory angle.", unit="deg", ge=-90.0, le=90.0)
@@ -577,15 +621,16 @@ class Typical(Section):
         -3.0, "Particle velocity (vertical).", unit="m/s", ge=-30.0, le=0.0
     )
     duration_s: float = _key(
-        2.0, "Simulated time until the set-up is drawn.", unit="s", gt=0.0, le=1000.0
+        2.0, "Simulated time at which the set-up is drawn.", unit="s", gt=0.0, le=1000.0
     )
-    interval_s: float = _key(
-        0.02, "Simulated time between its snapshots.", unit="s", gt=0.0, le=1000.0
-    )
+    interval_s: float = _key(0.02, "Simulated time between snapshots.", unit="s", gt=0.0, le=1000.0)
 
 
 class Angles(Section):
-    """Wear depth against time for angles of plate and factory; the rest as `figures.typical`."""
+    """Wear depth over time for several plate and factory angles.
+
+    All other quantities are those of `figures.typical`.
+    """
 
     plate: list[Annotated[float, Field(ge=-90.0, le=90.0)]] = _key(
         [0.0, 15.0, 30.0, 45.0, 60.0, 70.0],
@@ -601,11 +646,14 @@ class Angles(Section):
         min_length=1,
         max_length=20,
     )
-    duration_s: float = _key(10.0, "Simulated time of each.", unit="s", gt=0.0, le=10_000.0)
+    duration_s: float = _key(10.0, "Simulated time of each case.", unit="s", gt=0.0, le=10_000.0)
 
 
 class Movie(Section):
-    """The film of `snakemake movie`: plates side by side; the rest as `figures.typical`."""
+    """The movie of `snakemake movie`, with several plates side by side.
+
+    All other quantities are those of `figures.typical`.
+    """
 
     plate_angles: list[Annotated[float, Field(ge=-90.0, le=90.0)]] = _key(
         [60.0, 40.0, 30.0],
@@ -615,9 +663,9 @@ class Movie(Section):
         max_length=4,
     )
     duration_s: float = _key(4.0, "Simulated time.", unit="s", gt=0.0, le=1000.0)
-    slow_motion: float = _key(2.0, "Seconds of film per simulated second.", gt=0.0, le=1000.0)
-    frames_per_second: int = _key(25, "Pictures per second of film.", ge=1, le=120)
-    panel_pixels: int = _key(640, "Width of each plate's picture.", ge=100, le=4000)
+    slow_motion: float = _key(2.0, "Seconds of movie per simulated second.", gt=0.0, le=1000.0)
+    frames_per_second: int = _key(25, "Frames per second of movie.", ge=1, le=120)
+    panel_pixels: int = _key(640, "Width of the panel of each plate.", ge=100, le=4000)
 
 
 class Figures(Section):
@@ -628,26 +676,26 @@ class Figures(Section):
     )
     series_cases: Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=1)] = _key(
         [0, 1, 2, 3, 4, 5],
-        "Cases whose wear depth is drawn against time.",
+        "Cases for which the wear depth is plotted over time.",
         allowed="a list of case numbers from 0",
     )
     typical: Typical = Field(
-        default_factory=Typical, description="The case that stands for the study in pictures."
+        default_factory=Typical, description="The representative case in figures."
     )
     angles: Angles = Field(
-        default_factory=Angles, description="Curves for angles of plate and factory."
+        default_factory=Angles, description="Curves for several plate and factory angles."
     )
-    movie: Movie = Field(default_factory=Movie, description="The film of snakemake movie.")
+    movie: Movie = Field(default_factory=Movie, description="The movie of snakemake movie.")
 
 
 class Publish(Section):
-    """What `snakemake publish` says of the data set beyond what the study knows."""
+    """Metadata that `snakemake publish` adds to the data set."""
 
     title: str | None = _key(
-        None, "Title; null: made from the study's name.", allowed="null or text"
+        None, "Title; null: derived from the name of the study.", allowed="null or text"
     )
     creators: Annotated[list[str], Field(min_length=1)] = _key(
-        ["abradem developers"], "Who made the data set.", allowed="a list of names"
+        ["abradem developers"], "Creators of the data set.", allowed="a list of names"
     )
     version: str = _key(
         "1.0.0",
@@ -657,52 +705,56 @@ class Publish(Section):
     )
     date: str | None = _key(
         None,
-        "Day of publication; null: the day on which the data set was made.",
-        allowed='null or a day in quotes, "2026-01-31"',
+        "Date of publication; null: the date on which the data set was written.",
+        allowed='null or a date in quotes, "2026-01-31"',
         pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$",
     )
     url: str | None = _key(
         None,
-        "Where it can be had, such as https://doi.org/...",
+        "Address of the published data set, such as https://doi.org/...",
         allowed="null or an address that begins with https://",
         pattern=r"^https://\S+$",
     )
     series: bool = _key(
         True,
-        "Also the series, maps and runs of every case, which are larger than the data set.",
+        "Whether to include the series, maps and runs of every case, which are larger than the "
+        "data set.",
         allowed="true or false",
     )
 
 
 class Config(Section):
-    """A study. `load_config` also checks what involves several keys."""
+    """A study. `load_config` also checks conditions that involve several keys."""
 
     study: str = _key(
         ...,
-        "Name of the study; results stand in results/<study>/.",
+        "Name of the study; its results are in results/<study>/.",
         allowed="letters, digits, _ and -, beginning with a letter or digit, at most 64",
         pattern=STUDY_NAME,
     )
     seed: int = _key(
-        1, "Seed of everything random; the same seed gives the same results.", ge=0, le=2**63 - 1
+        1,
+        "Seed of all random numbers; the same seed gives the same results.",
+        ge=0,
+        le=2**63 - 1,
     )
     sampling: Sampling = Field(
         default_factory=Sampling, description="Which parameter sets are simulated."
     )
     simulation: Simulation = Field(
-        default_factory=Simulation, description="Everything else about a simulation."
+        default_factory=Simulation, description="All settings that are not sampled."
     )
     wear_rate: WearRate = Field(
-        default_factory=WearRate, description="From the worn volume to a rate and its quality."
+        default_factory=WearRate, description="Wear rates and their quality."
     )
     dataset: Dataset = Field(
-        default_factory=Dataset, description="A table of yours in the place of the simulations."
+        default_factory=Dataset, description="Your own table instead of simulations."
     )
     features: Features = Field(default_factory=Features, description="The derived quantities.")
     learning: Learning = Field(default_factory=Learning, description="Models of the data set.")
     figures: Figures = Field(default_factory=Figures, description="The figures of the report.")
     publish: Publish = Field(
-        default_factory=Publish, description="The folder that snakemake publish makes."
+        default_factory=Publish, description="Metadata of the published data set."
     )
 
     @property
@@ -712,7 +764,7 @@ class Config(Section):
 
     @property
     def batches(self) -> list[tuple[int, int]]:
-        """First and last-plus-one case of the batches of a block, see `abradem.config.batches`."""
+        """First case and last case plus one of each batch of a block, see `config.batches`."""
         return batches_of_block(self.sampling.cases_per_block, self.simulation.cases_per_job)
 
     @property

@@ -1,4 +1,4 @@
-"""What is wrong with one value, and what is allowed in its place."""
+"""Error texts for a single value: the problem, and what is allowed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from abradem.config.keys import Key, dotted
 
 
 def explain(details: Mapping) -> tuple[Key, str, str]:
-    """Return key, problem and what is allowed for one error of pydantic."""
+    """Return key, problem and allowed values for one error of pydantic."""
     key: Key = details["loc"]
     value = details["input"]
     kind = details["type"]
@@ -27,7 +27,8 @@ def explain(details: Mapping) -> tuple[Key, str, str]:
     if kind == "value_error":
         return key, str(details["ctx"]["error"]), allowed
     if kind in ("model_type", "model_attributes_type", "dict_type"):
-        names = ", ".join(_section(key).model_fields) if _section(key) else ""
+        section = _section(key)
+        names = ", ".join(section.model_fields) if section else ""
         if value is None:
             return key, "is an empty section; give keys or remove the line", names
         return key, "must be a section of keys", names
@@ -37,7 +38,7 @@ def explain(details: Mapping) -> tuple[Key, str, str]:
         "int_from_float": "must be a whole number",
         "finite_number": "must be a finite number",
         "string_type": "must be text; put it in quotes",
-        "string_pattern_mismatch": "is no name for a folder",
+        "string_pattern_mismatch": "has the wrong form",
         "literal_error": "is unknown",
         "list_type": "must be a list",
         "too_short": "must not be empty",
@@ -48,10 +49,10 @@ def explain(details: Mapping) -> tuple[Key, str, str]:
 
 
 def _unknown_key(key: Key) -> tuple[str, str]:
-    """Return the problem, with the nearest known key, and the keys allowed there."""
+    """Return the problem, with the most similar known key, and the keys allowed there."""
     *parents, name = key
     name = str(name)
-    section = _section(tuple(parents))
+    section = _section(tuple(parents)) or Config
     names = list(section.model_fields)
     close = [known for known in names if known.startswith(name + "_") or _stem(known) == name]
     close += difflib.get_close_matches(name, names, n=1, cutoff=0.6)
@@ -65,7 +66,7 @@ def _unknown_key(key: Key) -> tuple[str, str]:
 
 
 def _stem(name: str) -> str:
-    """Return a key without the unit at its end."""
+    """Return a key without its suffix for the unit."""
     for suffix in ("_gpa", "_mm", "_kg_s", "_per_s", "_s"):
         if name.endswith(suffix):
             return name.removesuffix(suffix)
@@ -73,7 +74,7 @@ def _stem(name: str) -> str:
 
 
 def section_class(annotation: Any) -> type[Section] | None:
-    """Return the section's class if the annotation is one, or one or null."""
+    """Return the section class if the annotation is a section, or a section or null."""
     for candidate in (annotation, *get_args(annotation)):
         if isinstance(candidate, type) and issubclass(candidate, Section):
             return candidate
@@ -83,20 +84,20 @@ def section_class(annotation: Any) -> type[Section] | None:
 def _section(key: Key) -> type[Section] | None:
     section: type[Section] | None = Config
     for part in key:
-        field = section.model_fields.get(part) if section else None
+        field = section.model_fields.get(str(part)) if section else None
         section = section_class(field.annotation) if field else None
     return section
 
 
 def _field(key: Key) -> FieldInfo | None:
-    """Return the field that holds ``key``; an item of a list belongs to the list's field."""
+    """Return the field of ``key``; for an item of a list, the field of the list."""
     names = [part for part in key if isinstance(part, str)]
     section = _section(tuple(names[:-1]))
     return section.model_fields.get(names[-1]) if section and names else None
 
 
 def leaves(section: type[Section] = Config, above: Key = ()) -> Iterator[tuple[Key, FieldInfo]]:
-    """Yield every key that holds a value, with its field, in order."""
+    """Yield every key with a value and its field, in order."""
     for name, field in section.model_fields.items():
         inner = section_class(field.annotation)
         if inner is not None:
@@ -106,11 +107,12 @@ def leaves(section: type[Section] = Config, above: Key = ()) -> Iterator[tuple[K
 
 
 def _extra(field: FieldInfo, name: str) -> str:
-    return (field.json_schema_extra or {}).get(name, "")
+    extra = field.json_schema_extra
+    return str(extra.get(name, "")) if isinstance(extra, dict) else ""
 
 
 def allowed_text(field: FieldInfo) -> str:
-    """Say in a few words what the field takes."""
+    """Return a short text with the allowed values of a field."""
     text = _extra(field, "allowed")
     if text:
         return text
@@ -130,7 +132,8 @@ def allowed_text(field: FieldInfo) -> str:
                 if hasattr(constraint, side):
                     bounds[side] = getattr(constraint, side)
         unit = _extra(field, "unit")
-        low, high = bounds.get("ge", bounds.get("gt")), bounds.get("le", bounds.get("lt"))
+        low = bounds["ge" if "ge" in bounds else "gt"]
+        high = bounds["le" if "le" in bounds else "lt"]
         text = interval_text(low, high, unit, above="gt" in bounds)
     return text + (" or null" if optional else "")
 

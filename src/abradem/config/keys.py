@@ -1,4 +1,4 @@
-"""Where a key stands, and how keys and values are written in a line."""
+"""Origin of a key, and the text of keys and values in messages."""
 
 from __future__ import annotations
 
@@ -11,33 +11,33 @@ from typing import Any
 from abradem.config.declaration import yaml_float
 
 COMMAND_LINE = "command line"
-"""Named instead of a file where a value came through ``--config``."""
+"""Origin that is reported instead of a file for a value from ``--config``."""
 
 _SHOWN = 60
-"""Characters of a wrong value that are repeated in its line."""
+"""Largest number of characters of a value in a message."""
 
 MISSING = object()
-"""Stands for a value that is not given."""
+"""Marker of a value that is not given."""
 
 Key = tuple[str | int, ...]
-"""Path of a key through the sections."""
+"""Path of a key: the names of its sections and its own name."""
 
 
 def origin_of(key: Key, value: Any, sources: Sequence[tuple[str, dict]], given: bool = True) -> str:
     """Return the file in which ``key`` has this value, or "command line".
 
-    ``given`` is False for a default that stands neither in a file nor on the command line.
+    ``given`` is False for a default, which is neither in a file nor on the command line.
     """
     for shown, values in reversed(sources):
         found = lookup(values, key)
         if isinstance(value, dict):
-            # A section is merged from several files; the last that has it is named.
+            # A section is merged from several files; the last file that contains it is reported.
             if isinstance(found, dict):
                 return shown
         elif found is not MISSING and repr(found) == repr(value):
             return shown
     if sources and (value is MISSING or not given):
-        # What is missing belongs where its section was last given, else in the first file.
+        # For a missing key: the last file with its section, otherwise the first file.
         for shown, values in reversed(sources):
             if len(key) > 1 and isinstance(lookup(values, key[:-1]), dict):
                 return shown
@@ -64,7 +64,7 @@ def dotted(key: Key) -> str:
 
 
 def show(value: Any) -> str:
-    """Return ``value`` in one short line, as it would stand in YAML's flow style."""
+    """Return ``value`` in one short line, as in the flow style of YAML."""
     if isinstance(value, float) and not math.isfinite(value):
         text = {math.inf: ".inf", -math.inf: "-.inf"}.get(value, ".nan")
     elif isinstance(value, float):
@@ -79,7 +79,7 @@ def show(value: Any) -> str:
 
 
 def shown_path(path: Path) -> str:
-    """Return the path as the user would write it: relative where it is below the folder."""
+    """Return the path as a user would write it: relative if it is below the working folder."""
     try:
         return str(path.resolve().relative_to(Path.cwd()))
     except ValueError:

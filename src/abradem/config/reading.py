@@ -1,4 +1,4 @@
-"""Files and command line to a `Config`, or one line for each problem."""
+"""Reading of files and command line into a `Config`, with one line for each problem."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from abradem.config.keys import (
 )
 
 _DEEPEST = 8
-"""Levels of nesting beyond which a file cannot be a configuration (or refers to itself)."""
+"""Largest number of nested levels; a file with more is not a configuration, or refers to itself."""
 
 _LARGEST_FILE = 1_000_000
-"""Bytes of a file beyond which it cannot be a configuration."""
+"""Largest size of a configuration file, bytes."""
 
 _MOST_VALUES = 20_000
-"""Values beyond which a file cannot be a configuration; a few anchors can stand for billions."""
+"""Largest number of values in a file; a few YAML anchors can expand to billions of values."""
 
 
 class ConfigError(ValueError):
-    """One or several problems of a configuration; its text is one line for each."""
+    """One or several problems of a configuration; the message has one line for each."""
 
     def __init__(self, problems: Sequence[str]):
         self.problems = list(problems)
@@ -44,7 +44,7 @@ class ConfigError(ValueError):
 
 
 def read_config(*paths: str | os.PathLike) -> Config:
-    """Read a configuration from files; each later file is merged deeply over the earlier.
+    """Read a configuration from files; each file overrides the keys of the earlier ones.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def read_config(*paths: str | os.PathLike) -> Config:
 
 
 def refuse_all_but_data(path: str | os.PathLike) -> None:
-    """Refuse a file that is no YAML of plain data, or that asks to be run as a template.
+    """Raise if a file is not YAML with plain data only, or requests to be run as a template.
 
     Raises
     ------
@@ -83,17 +83,17 @@ def refuse_all_but_data(path: str | os.PathLike) -> None:
 def load_config(
     merged: Mapping, files: Sequence[str | os.PathLike] = (), elsewhere: str = COMMAND_LINE
 ) -> Config:
-    """Check a configuration that was already merged, as Snakemake hands it over.
+    """Check a configuration that is already merged, as Snakemake passes it.
 
     Parameters
     ----------
     merged : mapping
-        All keys, with those of the command line on top.
+        All keys; those of the command line override those of the files.
     files : sequence of path
-        The files it came from. They are read again to find duplicate keys and to say in which
-        file a wrong value stands.
+        The files of the configuration. They are read again to find duplicate keys and to report
+        the file of a wrong value.
     elsewhere : str
-        Where a value came from that stands in none of them.
+        Origin that is reported for a value that is in none of these files.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def load_config(
         config = Config.model_validate(values)
     except ValidationError as error:
         raise ConfigError([line(*explain(details)) for details in error.errors()]) from None
-    # A default can be in conflict with a key that was given.
+    # A default can be in conflict with a given key.
     resolved.update(config.model_dump(mode="json"))
     problems = [line(key, problem) for key, problem in conflicts(config)]
     if problems:
@@ -173,16 +173,16 @@ def _parse_file(path: Path) -> tuple[dict, list[str]]:
     except yaml.YAMLError as error:
         raise ConfigError([f"{shown}: not valid YAML: {' '.join(str(error).split())}"]) from None
     if values is None:
-        raise ConfigError([f"{shown}: the file is empty; it must hold keys, such as study"])
+        raise ConfigError([f"{shown}: the file is empty; it must contain keys, such as study"])
     if not isinstance(values, dict):
         raise ConfigError(
-            [f"{shown}: holds {show(values)}, not keys; it must begin with a key, such as study"]
+            [f"{shown}: contains {show(values)}, not keys; it must begin with a key, such as study"]
         )
     return values, problems
 
 
 def _tag_problem(error: yaml.MarkedYAMLError) -> str:
-    """Say it plainly where a tag asks for something else than plain data."""
+    """Return a clear message if the error is a tag for other than plain data, otherwise ""."""
     text = error.problem or ""
     if not text.startswith("could not determine a constructor for the tag"):
         return ""
@@ -193,9 +193,10 @@ def _tag_problem(error: yaml.MarkedYAMLError) -> str:
 def _construct(
     node: yaml.Node, key: Key, shown: str, problems: list[str], room: Iterator[int]
 ) -> Any:
-    """Turn a YAML node into plain data, and note keys that stand twice.
+    """Convert a YAML node into plain data, and report keys that are given twice.
 
-    ``room`` counts down the values that the file may still hold, those of anchors each time.
+    ``room`` counts down the number of further values allowed; values of an anchor count at each
+    use.
     """
     line = node.start_mark.line + 1
     if len(key) > _DEEPEST:
@@ -220,7 +221,7 @@ def _construct(
         if name in values:
             problems.append(
                 f"{shown}: {dotted((*key, name))}: {show(value)}: given twice, on lines "
-                f"{first_line[name]} and {line}; a key may stand only once"
+                f"{first_line[name]} and {line}; a key may be given only once"
             )
         values[name] = value
         first_line.setdefault(name, line)
@@ -238,7 +239,7 @@ def _construct_scalar(node: yaml.Node) -> Any:
 
 
 def _merge(base: dict, overlay: Mapping) -> None:
-    """Merge ``overlay`` deeply over ``base`` in place, as Snakemake does."""
+    """Merge ``overlay`` recursively into ``base`` in place, as Snakemake does."""
     for name, value in overlay.items():
         if isinstance(value, Mapping):
             inner = base.get(name)
@@ -249,7 +250,7 @@ def _merge(base: dict, overlay: Mapping) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Return nested dicts and lists of ``value``, whatever mappings it came in."""
+    """Return ``value`` with all mappings and sequences converted to dicts and lists."""
     if isinstance(value, Mapping):
         return {name: _plain(inner) for name, inner in value.items()}
     if isinstance(value, (list, tuple)):
@@ -258,10 +259,10 @@ def _plain(value: Any) -> Any:
 
 
 def _read_command_line_text(values: dict, sources: Sequence[tuple[str, dict]]) -> dict:
-    """Read the text that Snakemake makes of nested values given by ``--config``.
+    """Parse nested values of ``--config``, which Snakemake passes as text.
 
-    ``--config sampling='{blocks: 3}'`` arrives as the text "3". Only values that stand in no
-    file are read; a number in quotes in a file stays text.
+    ``--config sampling='{blocks: 3}'`` arrives as the text "3". Only values that are in none of
+    the files are parsed; a number in quotes in a file stays text.
     """
 
     def read(value: Any, key: Key) -> Any:

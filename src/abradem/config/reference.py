@@ -1,4 +1,4 @@
-"""Schema and documentation, made from the declaration: python -m abradem.config --write."""
+"""Schema and documentation, generated from the declaration: python -m abradem.config --write."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def documentation() -> str:
         "",
         "Generated from `src/abradem/config/` by `python -m abradem.config --write`.",
         "",
-        "`config.yaml` is the paper's study. Another study is an override file on it, such as",
-        "`studies/smoke.yaml`: it holds only the keys that differ. A key that stands nowhere takes",
-        "the default below. Values are in SI units unless the key names another unit.",
+        "`config.yaml` is the study of the paper. Another study is an override file, such as",
+        "`studies/smoke.yaml`, with only the keys that differ. A key that is not given has the",
+        "default below. Values are in SI units unless the key names another unit.",
         "",
         *_document_section(Config, ()),
     ]
@@ -73,7 +73,7 @@ def _default(field: FieldInfo) -> str:
 
 
 def generated(root: Path) -> dict[Path, str]:
-    """Return the files made from the declaration, with their text."""
+    """Return the files that are generated from the declaration, with their text."""
     return {
         root / SCHEMA_FILE: json.dumps(schema(), indent=2) + "\n",
         root / DOCUMENTATION_FILE: documentation(),

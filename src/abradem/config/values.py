@@ -1,4 +1,4 @@
-"""A configuration in the plain values, SI, that the stages take."""
+"""Conversion of a configuration to the plain values, in SI units, that the stages use."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def to_yaml(config: Config) -> str:
 
 
 def sampled_ranges(config: Config) -> dict[str, list[float]]:
-    """Return {name: [lower, upper]} of the 14 sampled quantities in the table's units (SI)."""
+    """Return {name: [lower, upper]} of the 14 sampled quantities in the units of tables (SI)."""
     ranges = config.sampling.ranges
     return {
         row.name: [to_si(row, bound) for bound in getattr(ranges, row.config_key)]
@@ -25,7 +25,7 @@ def sampled_ranges(config: Config) -> dict[str, list[float]]:
 
 
 def typical_case(config: Config) -> dict[str, float]:
-    """Return the arguments of `abradem.Case` of the case that stands for the study, SI units."""
+    """Return the arguments of `abradem.Case` for the representative case, SI units."""
     middle = {name: (low + high) / 2.0 for name, (low, high) in sampled_ranges(config).items()}
     chosen = config.figures.typical
     given = {
@@ -39,7 +39,7 @@ def typical_case(config: Config) -> dict[str, float]:
 def setup_dict(config: Config) -> dict:
     """Return the arguments of `abradem.Setup` as plain JSON values, SI units.
 
-    `abradem.Setup.from_dict` makes the set-up of them.
+    `abradem.Setup.from_dict` converts them to a `Setup`.
     """
     simulation = config.simulation
     plate, factory, stop = simulation.plate, simulation.factory, simulation.stop

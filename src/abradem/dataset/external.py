@@ -1,12 +1,12 @@
-"""A table that someone else made, in the place of our simulations.
+"""An external table, used instead of simulations.
 
-CSV or Parquet. A column is found under our own name, under the name that the study's authors
-gave it in their published table, or as the mapping of the configuration says. Units are those of
-`abradem.quantities` unless the mapping or the metadata of a Parquet field names another that is
-known; values outside the physical limits are refused, which is what a wrong unit leads to.
-Derived features that the table lacks are computed, those that it has are taken as they stand
-(the published table rounds Young's modulus of the plate, for example) unless they contradict
-their formula. A data set of our own is such a table too.
+The table is CSV or Parquet. A column is found by its name in this package, by its name in the
+published table of the paper, or by the mapping in the configuration. Units are those of
+`abradem.quantities` unless the mapping or the metadata of a Parquet field names another accepted
+unit. Values outside the physical limits, the typical result of a wrong unit, are rejected.
+Derived features that are missing are computed. Those in the table are used unchanged (the
+published table rounds Young's modulus of the plate, for example) unless they contradict their
+formula. A data set written by this package is also a valid table.
 """
 
 from __future__ import annotations
@@ -55,14 +55,14 @@ PUBLISHED_NAMES = {
     "damping_coefficient": "Damping Coefficient (η)",
     TARGET.name: "Wear Rate",
 }
-"""Columns of the study's published table. Its particle size is the radius, m."""
+"""Columns of the published table of the paper. Its particle size is the radius, m."""
 
 CLOSE = 0.05
-"""Relative difference up to which a derived value agrees with its formula: two digits do."""
+"""Relative difference up to which a derived value agrees with its formula, as for two digits."""
 LARGEST_KEY = 2**53
-"""Case numbers are read as floating-point numbers, which are whole up to here."""
+"""Largest case number: case numbers are read as floating-point numbers, exact up to here."""
 MOST_LINES = 20
-"""Bad rows named one by one."""
+"""Largest number of bad rows that are reported individually."""
 
 Mapped = Mapping[str, str | tuple[str, str]]
 
@@ -77,15 +77,15 @@ def read_external(
     path : path-like
         ``.csv`` (UTF-8, comma) or ``.parquet``.
     columns : mapping, optional
-        Our name to the table's, or to a pair of its name and its unit.
+        Column of the table, or a pair of column and unit, for names of this package.
     damping_coefficient : {"table", "printed"}
-        Form of that feature where the table lacks it, see `abradem.dataset.features`.
+        Form of X20 if the table lacks it, see `abradem.dataset.features`.
 
     Returns
     -------
     pandas.DataFrame
-        case_id (the table's, if it has a column of that name, else the number of the row from 0),
-        the 20 features, and the wear columns found.
+        case_id (from the table if it has such a column, otherwise the row number from 0), the 20
+        features, and the wear columns of the table.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def read_external(
 
 
 def _read(path: Path) -> tuple[pd.DataFrame, dict[str, str]]:
-    """The table as text or numbers, and the units that its fields name."""
+    """Return the table as text or numbers, and the units in the metadata of its fields."""
     if path.suffix.lower() in (".parquet", ".pq"):
         from abradem.store.tables import read_table, read_units
 
@@ -159,7 +159,7 @@ def _read(path: Path) -> tuple[pd.DataFrame, dict[str, str]]:
     if path.suffix.lower() != ".csv":
         raise TableError(f"{path}: is neither .csv nor .parquet")
     try:
-        # The header is read as a row: else a row with one field too many shifts all columns.
+        # The header is read as a row. Otherwise a row with one extra field shifts all columns.
         table = pd.read_csv(
             path, dtype=str, encoding="utf-8-sig", keep_default_na=False, header=None
         )
@@ -175,21 +175,21 @@ def _read(path: Path) -> tuple[pd.DataFrame, dict[str, str]]:
 
 
 def _keys(table: pd.DataFrame) -> tuple[np.ndarray, str]:
-    """Case numbers of the rows, and what is wrong with them."""
+    """Return the case numbers of the rows, and the problem with them or ""."""
     if "case_id" not in table:
         return np.arange(len(table), dtype=np.int64), ""
     if list(table.columns).count("case_id") > 1:
-        return np.empty(0), "column 'case_id' stands twice"
+        return np.empty(0), "column 'case_id' appears twice"
     values, bad = _numbers(table["case_id"])
     if bad.any() or (values != np.rint(values)).any() or len(set(values)) < len(values):
-        return values, "column 'case_id': must hold whole numbers, each once"
+        return values, "column 'case_id': must contain whole numbers, each once"
     if (np.abs(values) > LARGEST_KEY).any():
-        return values, f"column 'case_id': holds numbers beyond {LARGEST_KEY}"
+        return values, f"column 'case_id': contains numbers beyond {LARGEST_KEY}"
     return values.astype(np.int64), ""
 
 
 def _source(name: str, mapped, table: pd.DataFrame, units: dict[str, str]):
-    """Column of the table for one of our names, its unit, and what is wrong with them."""
+    """Return the column of the table for a name, its unit, and the problem with them or ""."""
     unit = None
     if mapped is not None:
         column, unit = (mapped, None) if isinstance(mapped, str) else mapped
@@ -203,9 +203,9 @@ def _source(name: str, mapped, table: pd.DataFrame, units: dict[str, str]):
         column = there[0]
         if len(there) > 1:
             both = " and ".join(map(repr, there))
-            return None, None, f"columns {both} both hold {name}; choose one with dataset.columns"
+            return None, None, f"columns {both} both contain {name}; choose one with dataset.columns"
     if list(table.columns).count(column) > 1:
-        return None, None, f"column {column!r} stands twice"
+        return None, None, f"column {column!r} appears twice"
     ours = COLUMNS[name].unit
     unit = unit or units.get(column, ours)
     if unit not in UNITS[ours]:
@@ -215,9 +215,9 @@ def _source(name: str, mapped, table: pd.DataFrame, units: dict[str, str]):
 
 
 def _numbers(values: pd.Series) -> tuple[np.ndarray, np.ndarray]:
-    """The column as numbers, and which rows hold none."""
+    """Return the column as numbers, and a mask of the rows without a finite number."""
     if values.dtype.kind in "bmMc":
-        # Dates, durations and truth values turn into numbers all too easily.
+        # Dates, durations and booleans would silently be converted to numbers.
         return np.full(len(values), np.nan), np.ones(len(values), dtype=bool)
     if values.dtype.kind == "O":
         values = values.where(~values.map(lambda value: isinstance(value, bool)), None)
@@ -228,14 +228,14 @@ def _numbers(values: pd.Series) -> tuple[np.ndarray, np.ndarray]:
 def _bad_numbers(column: str, values: pd.Series, bad: np.ndarray) -> list[str]:
     rows = np.flatnonzero(bad)
     if len(rows) == len(values) > 0:
-        return [f"column {column!r}: holds no numbers (first {values.iloc[0]!r})"]
+        return [f"column {column!r}: contains no numbers (first {values.iloc[0]!r})"]
     return _capped(
         [f"row {row + 1}: {column} = {values.iloc[row]!r} is not a finite number" for row in rows]
     )
 
 
 def _bad_rows(found: dict[str, np.ndarray]) -> list[str]:
-    """Values outside the physical limits, and wear that is not positive."""
+    """Return lines on values outside the physical limits, and on wear that is not positive."""
     lines = []
     for name, values in found.items():
         if name in SAMPLED_NAMES:
@@ -261,7 +261,7 @@ def _bad_rows(found: dict[str, np.ndarray]) -> list[str]:
 
 
 def _wrong_derived(given: pd.DataFrame, derived: pd.DataFrame) -> list[str]:
-    """Derived values that contradict their formula, which a wrong unit or sign leads to."""
+    """Return lines on derived values that contradict their formula, due to wrong units or signs."""
     lines = []
     for row in QUANTITIES:
         if row.kind != "derived" or row.name not in given:
@@ -276,7 +276,7 @@ def _wrong_derived(given: pd.DataFrame, derived: pd.DataFrame) -> list[str]:
         if 2 * len(bad) > len(values):
             ratio = np.median(values[bad] / formula[bad])
             lines.append(
-                f"column {row.name}: is {ratio:.3g} times what its formula gives (median of the "
+                f"column {row.name}: is {ratio:.3g} times the value of its formula (median of the "
                 "rows); check its unit and its sign"
             )
         else:
@@ -291,7 +291,7 @@ def _wrong_derived(given: pd.DataFrame, derived: pd.DataFrame) -> list[str]:
 def _missing_derived(
     given: pd.DataFrame, derived: pd.DataFrame, damping_coefficient: str
 ) -> dict[str, pd.Series]:
-    """Derived features that the table lacks, from those that it has."""
+    """Return the derived features that the table lacks, computed from those that it has."""
     known = {
         name: given[name] if name in given else derived[name]
         for name in ("particle_youngs_modulus", "equipment_youngs_modulus", "damping_ratio")

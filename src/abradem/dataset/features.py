@@ -1,25 +1,27 @@
 """Derived features: Young's moduli, effective moduli, damping ratio and coefficient.
 
-Formulas of the Hertz-Mindlin contact of particle (1) and plate (2) as the study uses them::
+Formulas of the Hertz-Mindlin contact of particle (1) and plate (2) as used in the paper (Hertz
+1882; Mindlin & Deresiewicz 1953; Tsuji et al. 1992; see `abradem.elastic`)::
 
     E    = 2 G (1 + nu)
     1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
     1/G* = (2 - nu1)/G1 + (2 - nu2)/G2
     xi   = ln e / sqrt(ln^2 e + pi^2)                      (negative, 0 at e = 1)
 
-The damping coefficient eta (kg/s) exists twice. With m = 4/3 pi R^3 rho_p, the mass of the
-particle (the plate's is infinite):
+The damping coefficient eta (kg/s) has two forms. With the mass of the particle
+m = 4/3 pi R^3 rho_p (the mass of the plate is infinite):
 
 ``table``
-    eta = 2 sqrt(5/6) xi sqrt(m k), k = 4/3 E* R: negative. What the published table of the
-    study really holds (to 2e-7, its rounding), hence the default: models trained on that table
-    and on ours see the same feature.
+    eta = 2 sqrt(5/6) xi sqrt(m k), k = 4/3 E* R: negative. These are the values in the published
+    table of the paper (to 2e-7, its rounding), so this form is the default: models trained on that
+    table and on simulated data sets have the same feature.
 ``printed``
-    eta = -2 sqrt(m k) ln e / sqrt(ln^2 e + pi^2), the same k: positive. The formula as printed;
-    it is the table's value times -sqrt(6/5).
+    eta = -2 sqrt(m k) ln e / sqrt(ln^2 e + pi^2), the same k: positive. This is the formula as
+    printed in the paper; its value is that of ``table`` times -sqrt(6/5).
 
-In both, k is a constant of the case (the radius stands where a Hertz stiffness would have
-sqrt(R d)), in N/m; neither enters the simulation, which damps with the momentary stiffness.
+In both forms k, in N/m, is a constant of the case: it has R in place of the sqrt(R d) of a Hertz
+stiffness. Neither form is used in the simulation, where the damping depends on the current
+stiffness.
 """
 
 from __future__ import annotations
@@ -44,18 +46,21 @@ DAMPING_COEFFICIENTS = ("table", "printed")
 
 
 def contact_damping(ratio, mass, youngs_star, radius, form="table"):
-    """Damping coefficient eta, kg/s, in the form ``table`` or ``printed`` (see the module).
+    """Return the damping coefficient eta, kg/s, in the form ``table`` or ``printed``.
+
+    The formulas are in the docstring of the module.
 
     Parameters
     ----------
     ratio : float or array
         Damping ratio xi.
     mass : float or array
-        Of the particle, kg.
+        Mass of the particle, kg.
     youngs_star : float or array
         E*, Pa.
     radius : float or array
-        Of the particle, m.
+        Radius of the particle, m.
+    form : {"table", "printed"}
     """
     if form not in DAMPING_COEFFICIENTS:
         raise ValueError(
@@ -68,19 +73,24 @@ def contact_damping(ratio, mass, youngs_star, radius, form="table"):
 
 
 def derive(cases: pd.DataFrame, damping_coefficient: str = "table") -> pd.DataFrame:
-    """The 20 features of cases, X1..X20 in order.
+    """Return the 20 features X1..X20 of cases, in this order.
 
     Parameters
     ----------
     cases : pandas.DataFrame
-        Holds the 14 sampled columns, SI (angles in degrees).
+        Contains the 14 sampled columns, SI units (angles in degrees).
     damping_coefficient : {"table", "printed"}
-        Form of X20, see the module.
+        Form of X20, see the docstring of the module.
 
     Returns
     -------
     pandas.DataFrame
-        Columns `abradem.quantities.FEATURE_NAMES`, index of ``cases``.
+        Columns `abradem.quantities.FEATURE_NAMES`, with the index of ``cases``.
+
+    Raises
+    ------
+    ValueError
+        If ``cases`` lacks a sampled column.
     """
     missing = [name for name in SAMPLED_NAMES if name not in cases]
     if missing:

@@ -1,9 +1,6 @@
-"""Tables in and out: Parquet with units in the field metadata, the join, the checks.
+"""Join of cases, features, wear rates and runs into the data set, and the checks of the data set.
 
-One dictionary, `COLUMNS`, says for every column of every table its unit, its type and what it
-is. `write_table` takes no column that is not in it, so that no number is ever stored without
-its unit. Files are written under a temporary name and renamed, hence complete or absent, and
-the same table gives the same bytes.
+Units and types of all columns are in `abradem.store.columns.COLUMNS`.
 """
 
 from __future__ import annotations
@@ -37,8 +34,8 @@ FAILURE_COLUMNS: tuple[str, ...] = ("case_id", "status", "simulated_time")
 """Columns of ``failures.parquet``, in order."""
 
 
-# Of the depth rates only the headline must exceed zero: few large particles leave most facets
-# untouched (p99 = 0), and sliding vanishes where particles stick from first touch to last.
+# Only the plate-mean total depth rate must be positive: a few large particles leave most facets
+# untouched (p99 = 0), and sliding is zero if particles stick during the whole contact.
 _POSITIVE = (
     "particle_shear_modulus",
     "equipment_shear_modulus",
@@ -68,26 +65,31 @@ def join(
     runs: pd.DataFrame,
     damping_coefficient: str = "table",
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Bring cases, features, wear rates and runs together, one row per case.
+    """Join cases, features, wear rates and runs, one row per case.
 
     Parameters
     ----------
     cases : pandas.DataFrame
         case_id, block, seed, the 14 sampled columns (SI) and optionally ``rejected``.
     rates : pandas.DataFrame
-        From `abradem.wear.rates.wear_rates`, of all batches.
+        From `abradem.wear.rates.wear_rates`, for all batches.
     runs : pandas.DataFrame
-        One row per case simulated or rejected.
+        One row per simulated or rejected case.
     damping_coefficient : {"table", "printed"}
         See `abradem.dataset.features.derive`.
 
     Returns
     -------
     dataset : pandas.DataFrame
-        `DATASET_COLUMNS`, the cases that ended well and have a wear rate, by case_id.
+        `DATASET_COLUMNS` of the successful cases with a wear rate, by case_id.
     failures : pandas.DataFrame
-        `FAILURE_COLUMNS`, all other cases: rejected, ended early, never steady, without wear,
-        with a number that is not finite, not simulated.
+        `FAILURE_COLUMNS` of all other cases: rejected, ended early, never steady, without wear,
+        with a value that is not finite, or not simulated.
+
+    Raises
+    ------
+    TableError
+        If a case appears twice in a table, or a run does not belong to the study.
     """
     for name, frame in (("cases", cases), ("wear rates", rates), ("runs", runs)):
         _require_unique(name, frame)
@@ -129,7 +131,7 @@ def join(
 
 
 def check_failures(dataset: pd.DataFrame, failures: pd.DataFrame, most: float) -> None:
-    """Raise `TableError` if more cases failed than a study can do without.
+    """Raise `TableError` if the share of failed cases is too large.
 
     Parameters
     ----------
@@ -145,31 +147,31 @@ def check_failures(dataset: pd.DataFrame, failures: pd.DataFrame, most: float) -
         raise TableError(
             f"dataset: {len(failures)} of {cases} cases failed ({counted}), more than "
             f"simulation.max_failed_share = {most:g} allows; case {first['case_id']}: "
-            f"{first['status']}; failures.parquet holds all"
+            f"{first['status']}; failures.parquet lists all"
         )
 
 
 def reasons(failures: pd.DataFrame) -> dict[str, int]:
-    """How many cases failed for each kind of reason, the most frequent first."""
+    """Return the number of failed cases by kind of reason, the most frequent first."""
     kinds = failures["status"].str.split(":").str[0]
     return {kind: int(count) for kind, count in kinds.value_counts().items()}
 
 
 def check(dataset: pd.DataFrame) -> None:
-    """Raise `TableError` with one line per problem unless ``dataset`` is fit to learn from.
+    """Raise `TableError` with one line per problem if ``dataset`` is not valid for learning.
 
-    Columns complete, keys unique, every number finite, positive where it must be, sampled
-    quantities within physical limits.
+    In a valid data set all columns are present, keys are unique, all numbers are finite, positive
+    where required, and sampled quantities are within their physical limits.
     """
     missing = [name for name in DATASET_COLUMNS if name not in dataset]
     if missing:
         raise TableError(f"dataset: lacks column {', '.join(missing)}")
     if dataset.empty:
-        raise TableError("dataset: no case ended well, see failures.parquet")
+        raise TableError("dataset: no case was successful, see failures.parquet")
     problems = []
     twice = dataset["case_id"][dataset["case_id"].duplicated()]
     if not twice.empty:
-        problems.append(f"dataset: case {twice.iloc[0]} stands {1 + len(twice)} times or more")
+        problems.append(f"dataset: case {twice.iloc[0]} appears more than once")
     numeric = [n for n in DATASET_COLUMNS if COLUMNS[n].dtype.startswith(("float", "int"))]
     for name in numeric:
         values = dataset[name].to_numpy(dtype=float)
@@ -192,9 +194,9 @@ def check(dataset: pd.DataFrame) -> None:
 
 
 def _failure(rejected: str, status, rate: float, odd: str) -> str:
-    """Why a case is no row of the dataset, or "" if it is one.
+    """Return the reason why a case is not a row of the data set, or "" if it is one.
 
-    ``odd`` is the first column of its row that is not finite, if any.
+    ``odd`` is the first column of its row that is not finite, or "".
     """
     if rejected:
         return f"rejected: {rejected}"
@@ -212,7 +214,7 @@ def _failure(rejected: str, status, rate: float, odd: str) -> str:
 
 
 def _first_bad(dataset: pd.DataFrame, name: str, bad: np.ndarray, law: str) -> list[str]:
-    """One line for a column with rows that break a law, naming the first of them."""
+    """Return one line for a column with rows that violate a condition, naming the first row."""
     if not bad.any():
         return []
     row = dataset.iloc[int(np.argmax(bad))]
@@ -224,4 +226,4 @@ def _first_bad(dataset: pd.DataFrame, name: str, bad: np.ndarray, law: str) -> l
 def _require_unique(name: str, frame: pd.DataFrame) -> None:
     twice = frame["case_id"][frame["case_id"].duplicated()]
     if not twice.empty:
-        raise TableError(f"{name}: case {twice.iloc[0]} stands twice")
+        raise TableError(f"{name}: case {twice.iloc[0]} appears twice")

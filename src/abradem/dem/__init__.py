@@ -1,6 +1,6 @@
-"""The discrete-element engine: spheres poured on an inclined plate, and the wear they do.
+"""The discrete-element engine: particles poured on an inclined plate, and the wear they cause.
 
-`model` holds what goes in and comes out; the kernels load when they are first used.
+`model` defines the inputs and outputs. The compiled kernels are loaded at their first use.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is awake, until when the others sleep, and whom the awake may meet: see `islands`."""
+"""Awake and sleeping particles, and the near partners of the awake ones: see `islands`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from abradem.dem.cache import kernel
 from abradem.dem.state import PAIR, Problem
 
 SLOTS = 32
-"""Room for near partners in a row: within three radii hardly more than 17 spheres fit."""
+"""Largest number of near partners in a row: at most about 17 particles fit within three radii."""
 
 NEVER = 2**62
 FAR = 1e9
@@ -22,39 +22,42 @@ CLOCK = np.dtype(
         ("awake", np.int64),
         ("next_due", np.int64),
         ("limit", np.float64),
-        # The grid of cells: when it was made, and of how many particles.
+        # The grid of cells: the step at which it was built, and the number of particles in it.
         ("grid_step", np.int64),
         ("grid_live", np.int64),
-        # Whether `synchronous` has taken over.
+        # Whether `synchronous` does the stepping at present.
         ("crowded", np.int64),
     ]
 )
 
 
 class Agenda(NamedTuple):
-    """What is awake, and until when the others sleep.
+    """The awake particles, and the step at which each sleeping particle is due.
 
     Attributes
     ----------
     clock : ndarray of CLOCK, shape (1,)
-        Number awake, earliest step any sleeper is due, speed limit (m/s).
+        Number of awake particles, earliest due step of all sleeping particles, speed limit (m/s).
     awake : ndarray, shape (capacity,)
-        Indices of the awake, ascending.
+        Indices of the awake particles, ascending.
     asleep : ndarray of bool, shape (capacity,)
     due : ndarray, shape (capacity,)
-        A sleeper touches nothing before this step.
+        A sleeping particle touches nothing before this step.
     flights : ndarray, shape (7, capacity)
-        Anchors of all flying particles, x y z vx vy vz step, for quick passes over all; x is
-        `FAR` for the others.
+        Anchors of all flying particles, x y z vx vy vz step, in one array for fast loops over
+        all particles; x is `FAR` for particles that do not fly.
     scratch : ndarray, shape (capacity,)
+        Working memory, for example squared distances to all particles, m2.
     grid_first, grid_member : ndarray, shape (4 capacity + 1,) and (capacity,)
-        Particles sorted by the slot of their cell, and where each slot begins.
+        Index at which each slot of the grid begins in ``grid_member``, and the particles sorted
+        by the slot of their cell.
     grid_cell : ndarray, shape (capacity, 3)
+        Cell of each particle.
     row_size, row_next, row_until : ndarray, shape (capacity,)
-        Partners in the row of an awake particle, the first step at which one of them can be
-        touched, the last step for which the row is complete.
+        Number of partners in the row of an awake particle, the first step at which it can touch
+        one of them, and the last step for which the row is complete.
     rows : ndarray of NEAR, shape (capacity, SLOTS)
-        Partners in ascending order; the contact's memory lies with the lower index.
+        Partners in ascending order. The memory of a contact is in the row of the lower index.
     """
 
     clock: np.ndarray
@@ -90,7 +93,7 @@ def make_agenda(problem: Problem, capacity: int) -> Agenda:
         rows=np.zeros((capacity, SLOTS), NEAR),
     )
     agenda.clock["next_due"] = NEVER
-    # Any positive limit is right; it rises to what is met.
+    # Any positive start value is valid: the limit is raised when a particle is faster.
     agenda.clock["limit"] = problem.radius / problem.dt * 1e-3
     return agenda
 
@@ -100,7 +103,7 @@ def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
     larger = make_agenda(problem, capacity)
     size = agenda.awake.size
     larger.clock[:] = agenda.clock
-    # The grid is not taken along; it is made again when next looked into.
+    # The grid is not copied; it is built again at its next use.
     larger.clock["grid_live"] = 0
     larger.flights[:, :size] = agenda.flights
     for name in ("awake", "asleep", "due", "row_size", "row_next", "row_until", "rows"):

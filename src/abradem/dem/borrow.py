@@ -1,8 +1,8 @@
 """Arrays without reference counts, for kernels that pass them on in every step.
 
-numba counts references to every array of every tuple at every call, atomically, which costs more
-than the step of a particle. The arrays of a simulation live as long as the call into the
-kernels, so within it they need no counting.
+At every call numba atomically counts the references to every array of every tuple, which costs
+more than the step of a particle. The arrays of a simulation exist for as long as the call into
+the kernels lasts, so no counting is needed inside it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from abradem.dem.state import State
 
 @intrinsic
 def borrowed(typing_context, array):
-    """Return ``array`` as a view that takes part in no reference counting."""
+    """Return ``array`` as a view without reference counting."""
 
     def codegen(context, builder, signature, arguments):
         view = context.make_array(signature.args[0])(context, builder, arguments[0])

@@ -1,7 +1,8 @@
 """Lower bounds of the time until particles can touch something: see `islands`.
 
-All flights are parabolas with the same acceleration, so that a flying particle moves past
-another on a straight line and meets the plate at the root of a quadratic.
+All flights are parabolas with the same acceleration. The relative path of two flying particles
+is therefore a straight line, and the time at which a particle meets the plate is the root of a
+quadratic equation.
 """
 
 from __future__ import annotations
@@ -15,12 +16,12 @@ from abradem.dem.cache import kernel
 from abradem.dem.vectors import dot
 
 SAFETY = 1e-7
-"""Share by which radii are enlarged in predictions, far above rounding."""
+"""Relative enlargement of radii in predictions, far above the rounding error."""
 
 
 @kernel(inline=True)
 def first_time_within(x, v, a, half, start):
-    """First time t >= start at which abs(x + v t + a t^2/2) <= half, or infinity."""
+    """First time t >= start with abs(x + v t + a t^2/2) <= half, or infinity."""
     here = x + start * (v + 0.5 * a * start)
     speed = v + a * start
     if here < 0.0:
@@ -41,8 +42,8 @@ def first_time_within(x, v, a, half, start):
 def time_to_plate(problem, x, y, z, vx, vy, vz):
     """Lower bound of the time until a flying particle can touch the plate, s.
 
-    The first time at which the centre lies in the box around the plate that reaches one radius
-    beyond it on all sides: the first times along the three axes are iterated until they agree.
+    This is the first time at which the centre is in a box that extends one radius beyond the
+    plate on all sides. The first times along the three axes are iterated until they agree.
     """
     plate = problem.plate
     grown = problem.radius * (1.0 + SAFETY)
@@ -66,7 +67,7 @@ def time_to_plate(problem, x, y, z, vx, vy, vz):
 
 @kernel(inline=True)
 def due_step(problem, now, time):
-    """Lattice step before which nothing happens, for something ``time`` ahead; rounding safe."""
+    """Lattice step before which an event ``time`` s ahead cannot happen, despite rounding."""
     steps = time / problem.dt
     if steps > 1e15:
         return NEVER
@@ -75,7 +76,7 @@ def due_step(problem, now, time):
 
 @kernel(inline=True)
 def _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz):
-    """Place and velocity of a flying particle against flying particle j at step ``now``."""
+    """Position and velocity of a flying particle relative to flying particle j at ``now``."""
     time = problem.dt * (now - flights[6, j])
     fall = problem.gravity * time
     return (
@@ -90,10 +91,10 @@ def _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz):
 
 @kernel(inline=True)
 def miss_distances(problem, flights, out, live, now, x, y, z, vx, vy, vz):
-    """Square of the least distance that a flying particle will have to each other, m2.
+    """Square of the smallest distance of a flying particle to each other flying particle, m2.
 
-    Both fall alike, so the relative motion is a straight line. A plain loop without branches:
-    the compiler makes vector code of it.
+    Both have the same acceleration, so the relative motion is a straight line. The loop has no
+    branches, so that the compiler can vectorise it.
     """
     for j in range(live):
         px, py, pz, ux, uy, uz = _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz)
@@ -105,7 +106,7 @@ def miss_distances(problem, flights, out, live, now, x, y, z, vx, vy, vz):
 
 @kernel(inline=True)
 def time_to_meet(problem, flights, j, now, x, y, z, vx, vy, vz):
-    """Time until a flying particle is within reach of flying particle j, s, or infinity."""
+    """Time until a flying particle can touch flying particle j, s, or infinity."""
     px, py, pz, ux, uy, uz = _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz)
     reach = 2.0 * problem.radius * (1.0 + SAFETY)
     gap2 = max(px * px + py * py + pz * pz - reach * reach, 0.0)
@@ -118,7 +119,7 @@ def time_to_meet(problem, flights, j, now, x, y, z, vx, vy, vz):
 
 @kernel(inline=True)
 def distances(problem, flights, out, live, now, x, y, z):
-    """Square of the distance of a place to every flying particle at step ``now``, m2."""
+    """Square of the distance of a point to every flying particle at step ``now``, m2."""
     for j in range(live):
         time = problem.dt * (now - flights[6, j])
         dx = x - (flights[0, j] + flights[3, j] * time)
@@ -135,6 +136,6 @@ def centre_distance2(a, b):
 
 @kernel(inline=True)
 def steps_to_close(problem, limit, distance2):
-    """Steps in which two particles cannot close their gap, both at the speed limit."""
+    """Number of steps in which two particles at the speed limit cannot close their gap."""
     gap = math.sqrt(distance2) - 2.0 * problem.radius * (1.0 + SAFETY)
     return np.int64(math.floor(gap / (2.0 * limit * problem.dt)))

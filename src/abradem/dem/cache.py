@@ -1,8 +1,8 @@
-"""Where the compiled kernels are kept: a folder named by the content of the engine's sources.
+"""On-disk cache of the compiled kernels, in a folder named by a hash of the engine's sources.
 
-numba's own on-disk cache does not notice an edit of a function in *another* file than the one
-that calls it and would silently run the old machine code. Naming the folder by the content of
-all sources of the engine makes an edit a new folder.
+numba's own cache does not notice an edit of a function that is in *another* file than its
+caller, and would silently run outdated machine code. The folder name contains a hash of all
+sources of the engine, so every edit leads to a new folder.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ ENVIRONMENT_VARIABLE = "ABRADEM_CACHE_DIR"
 
 
 def engine_hash(folder: Path | None = None) -> str:
-    """Return a hexadecimal hash of the names and contents of the engine's sources."""
+    """Return a hexadecimal hash of the names and contents of the engine's source files."""
     folder = Path(__file__).parent if folder is None else folder
     digest = hashlib.sha256()
     for source in sorted(folder.glob("*.py")):
@@ -31,10 +31,10 @@ def engine_hash(folder: Path | None = None) -> str:
 def cache_folder() -> Path:
     """Return the folder for the compiled kernels of this version of the engine.
 
-    It lies below ``ABRADEM_CACHE_DIR``, else the user's cache folder, else, where that cannot
-    be written, the temporary folder.
+    It is below ``ABRADEM_CACHE_DIR`` if that is set, otherwise below the user's cache folder.
+    If that folder cannot be written, it is below the temporary folder.
     """
-    base = os.environ.get(ENVIRONMENT_VARIABLE)
+    base: str | Path | None = os.environ.get(ENVIRONMENT_VARIABLE)
     if not base:
         if sys.platform == "win32":
             base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData/Local"
@@ -53,9 +53,9 @@ def cache_folder() -> Path:
 
 
 def _private_folder() -> Path:
-    """Return a temporary folder that nobody else can write.
+    """Return a temporary folder that only this user can write.
 
-    Kernels are read as code, so a folder that someone else made is not used.
+    Files in it are executed as code, so a folder that another user created is not used.
     """
     folder = Path(tempfile.gettempdir()) / f"abradem-{os.getuid()}"
     try:
@@ -68,13 +68,13 @@ def _private_folder() -> Path:
 
 
 def kernel(function=None, *, inline: bool = False):
-    """Compile ``function`` with numba, its machine code kept in `cache_folder`.
+    """Compile ``function`` with numba and cache its machine code in `cache_folder`.
 
-    ``inline`` puts it into its callers: a call that passes the state of a simulation, which is
-    dozens of arrays, costs more than most steps of a particle.
+    With ``inline`` the function is inlined into its callers: a call that passes the state of a
+    simulation, dozens of arrays, costs more than most steps of a particle.
 
-    numba picks the folder when a function is decorated, so the setting is changed, for this
-    process and for that moment, only here. Division by zero follows IEEE 754, as in numpy.
+    numba chooses the folder when a function is decorated, so its setting is changed only during
+    the decoration. Division by zero follows IEEE 754, as in numpy.
     """
     if function is None:
         return functools.partial(kernel, inline=inline)
@@ -91,23 +91,24 @@ def kernel(function=None, *, inline: bool = False):
 
 
 def _make_robust(compiled) -> None:
-    """Let the kernel keep its machine code in files as `_robust_file` describes."""
+    """Replace the cache file of the kernel by the class of `_robust_file`."""
     from numba.core.caching import IndexDataCacheFile
 
     file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
-    # Another version of numba may arrange this otherwise; its own files then do.
+    # If another version of numba is organised differently, its own cache files are used.
     if type(file) is IndexDataCacheFile:
         file.__class__ = _robust_file()
 
 
 @functools.cache
 def _robust_file() -> type:
-    """Return a class of cache files that can cost a compilation, but nothing else.
+    """Return a class of cache files for which a failure only causes a new compilation.
 
-    With numba's own, processes that compile different signatures of a function at the same time
-    may leave an index that names the machine code of another signature; a file that a power
-    failure emptied ends every later run; a full disk ends this one. Here a file is named by what
-    it holds and written before the index, under a lock, and what cannot be read is not there.
+    numba's own class has three weaknesses. If processes compile different signatures of a
+    function at the same time, the index can refer to the machine code of another signature. A
+    file emptied by a power failure aborts every later run. A full disk aborts the current run.
+    In this class the file name depends on the signature, the file is written before the index
+    and under a lock, and files that cannot be read are treated as missing.
     """
     from numba.core.caching import IndexDataCacheFile
 
@@ -139,7 +140,7 @@ def _robust_file() -> type:
 
 
 def _lock(file) -> None:
-    """Wait until no other process holds the lock; it ends with the file."""
+    """Wait for the lock; it is released when the file is closed."""
     with contextlib.suppress(ImportError, OSError):
         import fcntl
 

@@ -1,8 +1,14 @@
-"""The contact law: Hertz-Mindlin with viscous damping, Coulomb's cap and rolling resistance.
+"""The contact law: Hertz-Mindlin with viscous damping, Coulomb friction and rolling resistance.
 
 Symbols: d overlap, n unit normal (towards the particle the force acts on), v_n speed of
-separation, S = sqrt(d), Q = d^{1/4}; stiffnesses and dampings are
-``F = kn d S - cn Q v_n``, ``k_t = kt S``, ``c_t = ct Q``.
+separation, S = sqrt(d), Q = d^{1/4}. The normal force, the tangential stiffness and the
+tangential damping are
+
+    F_n = kn d S - cn Q v_n,    k_t = kt S,    c_t = ct Q.
+
+Sources: Hertz (1882, J. Reine Angew. Math. 92:156) for the elastic normal force; Mindlin &
+Deresiewicz (1953, J. Appl. Mech. 20:327) for the tangential stiffness; Tsuji, Tanaka & Ishida
+(1992, Powder Technol. 71:239) for the damping.
 """
 
 from __future__ import annotations
@@ -25,11 +31,11 @@ _DAMPING_CODES = {
 
 
 _FLAT = 1e-24
-"""Square of the angle below which a tangent plane has not turned."""
+"""Square of the angle, rad2, below which the tangent plane is taken as not rotated."""
 
 
 class Law(NamedTuple):
-    """Constants of one kind of contact, SI."""
+    """Constants of one kind of contact (particle-plate or particle-particle), SI."""
 
     kn: float
     cn: float
@@ -62,6 +68,10 @@ def make_law(
 ) -> Law:
     """Return the constants of a contact.
 
+    ``kn = 4/3 E* sqrt(R*)`` (Hertz 1882), ``kt = 8 G* sqrt(R*)`` (Mindlin & Deresiewicz 1953),
+    ``c = 2 sqrt(5/6) beta sqrt(S m*)`` with the stiffness ``S_n = 2 E* sqrt(R* d)`` or
+    ``S_t = 8 G* sqrt(R* d)`` (Tsuji, Tanaka & Ishida 1992).
+
     Parameters
     ----------
     a, b : Material
@@ -69,6 +79,10 @@ def make_law(
     model : ContactModel
     radius, mass : float
         Effective radius R* (m) and mass m* (kg) of the pair.
+
+    Returns
+    -------
+    Law
     """
     e_star, g_star = effective_moduli(a, b)
     nominal = nominal_beta(interaction.restitution)
@@ -90,7 +104,7 @@ def make_law(
 
 @kernel(inline=True)
 def normal_force(law, overlap, separation_speed):
-    """Return (F_n, S, Q): total normal force (N) and the roots of the overlap."""
+    """Return (F_n, S, Q): total normal force (N), sqrt(d) and d^{1/4} of the overlap d."""
     s = math.sqrt(overlap)
     q = math.sqrt(s)
     force = fma(law.kn * overlap, s, -(law.cn * q * separation_speed))
@@ -101,9 +115,9 @@ def normal_force(law, overlap, separation_speed):
 
 @kernel(inline=True)
 def entry_share(overlap, approach):
-    """Return the part of a step that was spent in contact, for the step that opens it.
+    """Return the fraction of the step with contact, for the step in which a contact begins.
 
-    ``approach`` is the distance by which the surfaces neared in the step, m.
+    ``approach`` is the distance by which the surfaces approached in the step, m.
     """
     if approach > overlap:
         return overlap / approach
@@ -112,9 +126,9 @@ def entry_share(overlap, approach):
 
 @kernel(inline=True)
 def rotated(spring, n):
-    """Return the spring turned into the plane normal to ``n``, its length kept."""
+    """Return the spring rotated into the plane normal to ``n``, with its length preserved."""
     length2, along = dot(spring, spring), dot(spring, n)
-    # On a flat face only rounding is left of it.
+    # On a flat face the normal part of the spring is only rounding.
     if along * along <= _FLAT * length2:
         return spring
     left = plus(spring, -along, n)
@@ -134,10 +148,10 @@ def tangential_force(law, fn, s, q, spring, k_before, du, vt):
     fn, s, q : float
         From `normal_force`.
     spring : tuple of float
-        Spring force, N (incremental), or accumulated displacement, m, of the step before, in
-        the tangent plane of now.
+        Spring force, N (incremental), or accumulated displacement, m, of the previous step,
+        rotated into the current tangent plane.
     k_before : float
-        Tangential stiffness of the step before, N/m; 0 in the step of entry.
+        Tangential stiffness of the previous step, N/m; 0 in the first step of a contact.
     du : tuple of float
         Tangential displacement in contact during the step, m.
     vt : tuple of float
@@ -146,7 +160,7 @@ def tangential_force(law, fn, s, q, spring, k_before, du, vt):
     k = law.kt * s
     if law.incremental:
         if k_before == 0.0:
-            # The overlap grows linearly from zero, so the mean of its root is 2/3.
+            # The overlap grows linearly from zero, so the mean of its root is 2/3 of the last.
             factor, mean = 1.0, 2.0 / 3.0 * k
         else:
             factor, mean = min(k / k_before, 1.0), 0.5 * (k_before + k)
@@ -171,8 +185,8 @@ def tangential_force(law, fn, s, q, spring, k_before, du, vt):
             force = scaled(force, cap / math.sqrt(stretched2))
         elif law.tangential_damping == DAMPING_UNCAPPED:
             force = plus(stretched, -(law.ct * q), vt)
-    # The spring itself never holds more than the cap. Setting it to cap minus damping instead
-    # would feed energy in.
+    # The spring force itself never exceeds the cap. Setting it to the cap minus the damping
+    # force would add energy.
     if stretched2 > cap2:
         stretched = scaled(stretched, cap / math.sqrt(stretched2))
         stretched2 = cap2
@@ -186,7 +200,7 @@ def tangential_force(law, fn, s, q, spring, k_before, du, vt):
 
 @kernel(inline=True)
 def slowed(spin, loss):
-    """Return the spin, its magnitude lowered by ``loss`` (rad/s) and never reversed."""
+    """Return the spin with its magnitude reduced by ``loss`` (rad/s), but never reversed."""
     magnitude = math.sqrt(dot(spin, spin))
     if magnitude <= loss:
         return 0.0, 0.0, 0.0

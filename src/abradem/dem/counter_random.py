@@ -1,7 +1,7 @@
 """Counter-based random numbers: a pure function of (seed, particle, draw).
 
-Each key is mixed with the finaliser of SplitMix64 (Steele, Lea & Flood 2014, OOPSLA). No state
-is kept, so a release does not depend on how a run was split or interrupted.
+Each key is mixed with the finaliser of SplitMix64 (Steele, Lea & Flood 2014, OOPSLA). There is
+no state, so the releases do not depend on how a run was divided or interrupted.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def _mixed(z):
 
 @kernel(inline=True)
 def uniform(seed, particle, draw):
-    """Return a number in [0, 1) for three non-negative integers, with 53 random bits."""
+    """Return a random number in [0, 1) with 53 random bits for three non-negative integers."""
     z = _mixed(np.uint64(seed))
     z = _mixed(z ^ np.uint64(particle))
     z = _mixed(z ^ np.uint64(draw))

@@ -1,4 +1,4 @@
-"""The book of mechanical energy: what came in, what left, what is there, what was dissipated."""
+"""The balance of mechanical energy: inserted, removed, resident and dissipated energy."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from abradem.dem.state import GONE, energy_of
 def resident_energy(problem, state):
     """Return kinetic, potential and stored elastic energy of all particles present, J.
 
-    Heights count from the removal level; a Hertz contact stores 2/5 k d^{5/2}, a tangential
-    spring F^2 / (2 k_t).
+    Heights are measured from the removal level. A Hertz contact stores 2/5 k d^{5/2}, a
+    tangential spring F^2 / (2 k_t).
     """
     tally, particles, pairs = state.tally[0], state.particles, state.pairs
     total = 0.0
@@ -44,8 +44,11 @@ def resident_energy(problem, state):
     return total
 
 
-def energy_book(problem, state) -> dict:
-    """Return ``inserted``, ``removed``, ``resident`` and ``dissipated`` energy, J."""
+def energy_balance(problem, state) -> dict:
+    """Return ``inserted``, ``removed``, ``resident`` and ``dissipated`` energy, J.
+
+    The dissipated energy is the remainder: inserted - removed - resident.
+    """
     inserted = float(state.tally["energy_in"][0])
     removed = float(state.tally["energy_out"][0])
     resident = float(resident_energy(problem, state))

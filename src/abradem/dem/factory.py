@@ -1,8 +1,8 @@
-"""Release of particles: from the factory's patch at a given rate, or from a given schedule.
+"""Release of particles: from the factory patch at a given rate, or from a given schedule.
 
-The k-th particle, counted from 0, is due at (k + 1/2) / rate. Its place on the patch is drawn
-until it overlaps nothing; what finds no room waits and tries again, in turn, so that a crowded
-patch delivers less.
+The k-th particle, counted from 0, is due at (k + 1/2) / rate. Random positions on the patch are
+drawn until the particle overlaps nothing. A particle for which no free position is found waits
+and is tried again, in the order of release, so a crowded patch delivers less.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from abradem.dem.plate import plate_distance
 from abradem.dem.state import DONE, FLYING, GONE, NEEDS_ROOM, NOT_YET, STOP_RELEASE, energy_of
 
 TRIES = 100
-"""Places tried for a particle before it waits."""
+"""Number of random positions that are tried for a particle before it waits."""
 
 
 @kernel
 def release_step(problem, k):
     """Lattice step at which particle k of the factory is due."""
     step = (k + 0.5) / (problem.rate * problem.dt)
-    # No simulation gets so far; and what does not fit an integer would be due at once.
+    # No simulation reaches this step. A larger value would overflow and be due immediately.
     if not step < 1e18:
         return np.int64(10**18)
     return np.int64(math.ceil(step))
@@ -32,7 +32,7 @@ def release_step(problem, k):
 
 @kernel
 def _is_free(problem, particles, x, y, z, near, near_count):
-    """Whether a new particle at a place would overlap neither the plate nor those near it."""
+    """Whether a new particle at (x, y, z) overlaps neither the plate nor a near particle."""
     for k in range(near_count):
         other = particles[near[k]]
         dx, dy, dz = x - other.x, y - other.y, z - other.z
@@ -43,7 +43,7 @@ def _is_free(problem, particles, x, y, z, near, near_count):
 
 @kernel
 def _place(problem, state, place, velocity, spin):
-    """Add a particle at the current step."""
+    """Add a particle with the given position, velocity and spin at the current step."""
     tally = state.tally[0]
     new = tally.live
     particle = state.particles[new]
@@ -69,7 +69,7 @@ def _place(problem, state, place, velocity, spin):
 
 @kernel
 def release_due(problem, schedule, state):
-    """Place every particle that is due at the current step; return how that ended."""
+    """Release every particle that is due at the current step; return the outcome."""
     if problem.scheduled:
         return _release_scheduled(problem, schedule, state)
     return _release_from_patch(problem, state)
@@ -78,7 +78,7 @@ def release_due(problem, schedule, state):
 @kernel
 def _release_from_patch(problem, state):
     tally, particles = state.tally[0], state.particles
-    # Only particles near the patch can be in the way.
+    # Only particles near the patch can overlap a new one.
     far = math.hypot(problem.patch_half_length, problem.patch_half_width) + 2.0 * problem.radius
     near = np.empty(particles.size, np.int64)
     near_count = 0

@@ -1,4 +1,4 @@
-"""A single sphere against a plane, with the very step of the simulations."""
+"""The impact of a single sphere on a plane, computed with the time step of the simulations."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from abradem.dem.synchronous import advance
 from abradem.elastic import hertz_duration
 
 CONVERGED_STEPS = 500
-"""Steps per contact where no time step is given."""
+"""Steps per contact if no time step is given."""
 
 _PLANE = 1e3
 _MOST_STEPS = 10_000_000
@@ -21,7 +21,7 @@ _MOST_STEPS = 10_000_000
 
 @kernel
 def _impact(problem, schedule, state, most_steps):
-    """Step until the sphere has touched and left; return (ended, time, overlap, force)."""
+    """Step until the contact is over; return (ended, contact time, max overlap, max force)."""
     contact_time, largest_overlap, largest_force = 0.0, 0.0, 0.0
     before = -1.0
     tally, sphere = state.tally[0], state.particles[0]
@@ -33,7 +33,7 @@ def _impact(problem, schedule, state, most_steps):
         largest_overlap = max(largest_overlap, overlap)
         largest_force = max(largest_force, force)
         if overlap > 0.0:
-            # Of the first and last step only the part with overlap counts.
+            # Only the part with overlap of the first and the last step counts.
             contact_time += problem.dt * (overlap / (overlap - before) if before < 0.0 else 1.0)
         elif before > 0.0:
             contact_time += problem.dt * before / (before - overlap)
@@ -56,7 +56,7 @@ def single_impact(
     contact: ContactModel | None = None,
     phase: float = 0.5,
 ) -> Impact:
-    """Return what an impact of a sphere on a plane leaves.
+    """Simulate the impact of a sphere on a plane and return its outcome.
 
     Parameters
     ----------
@@ -67,16 +67,17 @@ def single_impact(
     speed : float
         m/s.
     angle_deg : float
-        Between velocity and the plane's normal, in [0, 90).
+        Angle between the velocity and the normal of the plane, in [0, 90), degrees.
     time_step : float, optional
-        s; by default 1/500 of the duration of the elastic impact.
+        s; the default is 1/500 of the duration of the elastic impact (Hertz 1882).
     spin : tuple of float
-        Before the impact, rad/s; the plane's normal is +y and the sphere travels towards +x.
+        Spin before the impact, rad/s. The normal of the plane is +y and the sphere moves
+        towards +x.
     gravity : float
-        Against the plane's normal, m/s2.
+        Acceleration of gravity along -y, m/s2.
     contact : ContactModel, optional
     phase : float
-        Where in a step the surfaces meet, in [0, 1).
+        Fraction of the step that remains when the surfaces meet, in [0, 1).
 
     Returns
     -------
@@ -85,7 +86,7 @@ def single_impact(
     Raises
     ------
     ValueError
-        For impossible arguments, or if the sphere does not leave the plane again.
+        If an argument is out of range, or if the sphere does not leave the plane again.
     """
     if not 0.0 <= angle_deg < 90.0:
         raise ValueError(f"angle_deg = {angle_deg!r} is outside [0, 90)")
@@ -133,7 +134,7 @@ def single_impact(
         time_step = hertz_duration(probe.plate_law.kn, probe.mass, approach) / CONVERGED_STEPS
     elif not (math.isfinite(time_step) and time_step > 0.0):
         raise ValueError(f"time_step must be finite and positive, got {time_step!r}")
-    # The surfaces meet after 1 - phase of the first step.
+    # The surfaces meet after the fraction 1 - phase of the first step.
     problem, schedule = problem_of(time_step, radius + (1.0 - phase) * approach * time_step)
     state = make_state(problem, 1)
     ended, contact_time, overlap, force = _impact(problem, schedule, state, _MOST_STEPS)

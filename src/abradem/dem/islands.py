@@ -1,25 +1,25 @@
-"""Fast stepping: time passes only where something touches.
+"""Fast stepping: only particles that can touch something are stepped.
 
-Between contacts a particle is on an exact parabola (`state.flight`), so nothing needs to be
-stepped until it can meet something. A particle is *asleep* while a bound says that it cannot, and
-*awake* otherwise. Awake particles, the islands of contact in a sea of flight, take the very
-steps of `synchronous`, in the same order; when none is awake, time jumps to the next bound.
+Between contacts a particle moves on an exact parabola (`state.flight`), so it need not be stepped
+until it can touch something. A particle is *asleep* while a bound excludes a contact, and *awake*
+otherwise. Awake particles form islands of contact. They take the same steps as in `synchronous`,
+in the same order. If no particle is awake, the time jumps to the next bound.
 
-All bounds are lower bounds of the lattice step at which a contact can open:
+All bounds are lower bounds of the lattice step at which a contact can begin:
 
-- asleep against the plate and the removal level: roots of the parabola;
-- asleep against asleep: gravity cancels, the relative motion is a straight line, the closest
+- sleeping particle and plate or removal level: roots of the parabola;
+- two sleeping particles: gravity cancels, the relative motion is a straight line, and the closest
   approach is exact;
-- awake against anything: a row of near partners, each with the step before which a gap cannot
-  close at the speed limit. The limit holds for all flights (energy down to the removal level)
-  and is verified for every awake particle in every step; where it is broken, it is raised and
-  all rows are made again before the step's contacts are looked for.
+- awake particle and any other: a row of near partners, each with the step before which the gap
+  cannot close at the speed limit. The limit is valid for all flights (energy down to the removal
+  level) and is checked for every awake particle in every step. If a particle exceeds it, the limit
+  is raised and all rows are built again before the contacts of the step are searched.
 
-Where so much touches that hardly anyone sleeps, bounds are a burden, and `synchronous` itself
-takes over until the crowd has thinned out.
+If hardly any particle sleeps because many are in contact, the bounds cost more than they save.
+`synchronous` then does the stepping until fewer particles touch.
 
-A bound that was too early costs a little time, never a contact, and whether two particles touch
-is decided by the same expression as in `synchronous`. Both give the same bits.
+A bound that is too early costs a little time but never misses a contact. Whether two particles
+touch is decided by the same expression as in `synchronous`. Both give bitwise equal results.
 """
 
 from __future__ import annotations
@@ -62,24 +62,24 @@ from abradem.dem.state import (
 from abradem.dem.vectors import dot, scaled
 
 NAP = 4
-"""A particle that would sleep no longer than this many steps stays awake."""
+"""A particle that could sleep for at most this number of steps stays awake."""
 
 NAP_PER_PARTICLE = 0.15
-"""And for each particle present so many more: to sleep, all others must be looked at, which
-costs as much as this many steps awake."""
+"""Increase of `NAP` for each particle present. Before a particle sleeps, all others are checked,
+and the check of one costs as much as this number of steps of an awake particle."""
 
 SMALLEST_CROWD = 256
 CROWDED, THINNED = 0.18, 0.10
-"""Shares of so many particles awake, or touching, from which on `synchronous` takes over and
-hands back."""
+"""In a crowd of more than `SMALLEST_CROWD` particles `synchronous` takes over if more than the
+share `CROWDED` is awake, and hands back if at most the share `THINNED` touches something."""
 
 CROWD_STEPS = 5000
-"""How long it takes over at least."""
+"""Number of steps after which `synchronous` may hand back."""
 
 
 @kernel
 def advance(problem, schedule, state, agenda, last_step):
-    """Advance to lattice step ``last_step``; return how that ended, at a whole step."""
+    """Advance to lattice step ``last_step``; return the outcome, always after a whole step."""
     state, agenda = borrowed_state(state), borrowed_agenda(agenda)
     tally, clock = state.tally[0], agenda.clock[0]
     outcome = DONE
@@ -87,7 +87,7 @@ def advance(problem, schedule, state, agenda, last_step):
         if clock.crowded != 0:
             until = min(last_step, tally.step + CROWD_STEPS)
             outcome = synchronous.advance(problem, schedule, state, until)
-            if outcome == DONE and not _hand_back(problem, state, agenda):
+            if outcome == DONE and not _resume_if_thinned(problem, state, agenda):
                 outcome = STOP_CROWDED
             continue
         if tally.gone > 16 + tally.live // 8:
@@ -96,7 +96,7 @@ def advance(problem, schedule, state, agenda, last_step):
             _refresh(problem, state)
             before = tally.live
             outcome = release_due(problem, schedule, state)
-            if not _welcome(problem, state, agenda, before):
+            if not _add_released(problem, state, agenda, before):
                 outcome = STOP_CROWDED
             if outcome != DONE:
                 break
@@ -108,18 +108,18 @@ def advance(problem, schedule, state, agenda, last_step):
             continue
         outcome = _step(problem, state, agenda)
         if clock.awake > NAP + CROWDED * tally.live and tally.live > SMALLEST_CROWD:
-            _publish(problem, state, agenda)
-            # Makes the pair list of `synchronous` again in its first step.
+            _write_back(problem, state, agenda)
+            # `synchronous` then builds its pair list in the first step.
             tally.drift = np.inf
             clock.crowded = 1
     if clock.crowded == 0:
-        _publish(problem, state, agenda)
+        _write_back(problem, state, agenda)
     return outcome
 
 
 @kernel(inline=True)
 def _step(problem, state, agenda):
-    """Advance the awake by one lattice step; same order of everything as in `synchronous`."""
+    """Advance the awake particles by one lattice step, in the same order as `synchronous`."""
     tally, particles, clock = state.tally[0], state.particles, agenda.clock[0]
     awake, rows, facet_wear = agenda.awake, agenda.rows, state.facet_wear
     now = tally.step + 1
@@ -142,7 +142,7 @@ def _step(problem, state, agenda):
     ):
         return STOP_CROWDED
 
-    # Sleepers that are met wake first, so that contacts are then taken in order.
+    # First wake all sleeping particles that are touched, so that contacts are in order below.
     contact2 = 4.0 * problem.radius * problem.radius
     k = 0
     while k < clock.awake:
@@ -192,7 +192,7 @@ def _step(problem, state, agenda):
     clock.awake = kept
     if tally.largest_overlap / problem.radius > OVERLAP_STOP:
         return STOP_OVERLAP
-    # A flight faster than the limit, found just above, may be met from the next step on.
+    # A flight faster than the limit, found just above, can cause contacts from the next step on.
     if clock.limit < 0.0 and not raise_limit(problem, state, agenda, -clock.limit, now):
         return STOP_CROWDED
     return DONE
@@ -200,7 +200,7 @@ def _step(problem, state, agenda):
 
 @kernel(inline=True)
 def _touch_partners(problem, state, agenda, i, now):
-    """Contacts of awake particle i with partners of higher index; look ahead for all."""
+    """Contacts of awake particle i with partners of higher index; next checks of all partners."""
     particles, tally = state.particles, state.tally[0]
     limit = agenda.clock[0].limit
     contact2 = 4.0 * problem.radius * problem.radius
@@ -232,9 +232,10 @@ def _touch_partners(problem, state, agenda, i, now):
 
 @kernel
 def _may_sleep(problem, state, agenda, i, now):
-    """Find until when flying particle i meets nothing; tell the others; False for a short nap.
+    """Set the due step of flying particle i and return whether it can sleep long enough.
 
-    A particle that stays awake meets sleepers through its row, so they need not be told.
+    Unless the plate or the removal level is too close, the due steps of all particles that it can
+    touch are brought forward. Otherwise it stays awake and finds sleeping partners by its row.
     """
     clock, flights, due = agenda.clock[0], agenda.flights, agenda.due
     time = problem.dt * (now - flights[6, i])
@@ -277,7 +278,7 @@ def _may_sleep(problem, state, agenda, i, now):
 
 @kernel
 def _wake(problem, state, agenda, i, now):
-    """Wake particle i, whose position is that of step ``now``; False if its row is too full."""
+    """Wake particle i, whose position is that of step ``now``; False if its row is full."""
     clock, awake = agenda.clock[0], agenda.awake
     agenda.asleep[i] = False
     agenda.row_size[i] = 0
@@ -292,7 +293,7 @@ def _wake(problem, state, agenda, i, now):
 
 @kernel
 def _wake_due(problem, state, agenda):
-    """Wake all that may touch something in the coming step; False if a row is too full."""
+    """Wake all particles that can touch something in the next step; False if a row is full."""
     tally, clock = state.tally[0], agenda.clock[0]
     clock.next_due = NEVER
     for i in range(tally.live):
@@ -308,25 +309,25 @@ def _wake_due(problem, state, agenda):
 
 
 @kernel
-def _welcome(problem, state, agenda, first):
-    """Take in the particles from index ``first`` on, just released; False if a row is too full."""
+def _add_released(problem, state, agenda, first):
+    """Add the particles just released, from index ``first`` on; False if a row is full."""
     tally, clock = state.tally[0], agenda.clock[0]
     for new in range(first, tally.live):
         record_flight(agenda, state.particles[new], new)
         agenda.asleep[new] = False
         agenda.due[new] = NEVER
         agenda.row_size[new] = 0
-    # Rows that were made before do not know them yet.
+    # Existing rows do not contain them yet.
     for k in range(clock.awake):
         for new in range(first, tally.live):
-            if not _introduce(problem, state, agenda, agenda.awake[k], new):
+            if not _add_to_row(problem, state, agenda, agenda.awake[k], new):
                 return False
-    return _settle(problem, state, agenda, first)
+    return _sleep_or_wake(problem, state, agenda, first)
 
 
 @kernel
-def _settle(problem, state, agenda, first):
-    """Put the flying from index ``first`` on to sleep, or wake them; False if a row is too full."""
+def _sleep_or_wake(problem, state, agenda, first):
+    """Let flying particles from index ``first`` on sleep, or wake them; False if a row is full."""
     tally, clock = state.tally[0], agenda.clock[0]
     for i in range(first, tally.live):
         if state.particles[i].motion != FLYING:
@@ -341,8 +342,8 @@ def _settle(problem, state, agenda, first):
 
 
 @kernel
-def _introduce(problem, state, agenda, i, new):
-    """Enter a new particle, the last of all, in the row of i; False if the row is too full."""
+def _add_to_row(problem, state, agenda, i, new):
+    """Add a new particle, the last one, to the row of i if it is near; False if the row is full."""
     rows, size, limit = agenda.rows, agenda.row_size[i], agenda.clock[0].limit
     now = state.tally[0].step
     left = agenda.row_until[i] - now
@@ -351,7 +352,7 @@ def _introduce(problem, state, agenda, i, new):
     if distance2 >= reach * reach or (size > 0 and rows[i, size - 1].j >= new):
         return True
     if size == SLOTS:
-        # Made again it looks less far ahead, and knows all.
+        # A new row is valid for fewer steps and contains all partners.
         return make_row(problem, state, agenda, i, now)
     near = rows[i, size]
     near.j = new
@@ -364,7 +365,7 @@ def _introduce(problem, state, agenda, i, new):
 
 @kernel
 def _refresh(problem, state):
-    """Put all flying particles where they are now."""
+    """Set the positions of all flying particles to those of the current step."""
     for i in range(state.tally[0].live):
         particle = state.particles[i]
         if particle.motion == FLYING:
@@ -373,15 +374,15 @@ def _refresh(problem, state):
 
 @kernel(inline=True)
 def _copy_memory(source, target):
-    """Copy what an open contact remembers between a row and the pair list."""
+    """Copy the memory of an open contact between a row and the pair list."""
     target.stiffness = source.stiffness
     target.sx, target.sy, target.sz = source.sx, source.sy, source.sz
     target.fn, target.tx, target.ty, target.tz = source.fn, source.tx, source.ty, source.tz
 
 
 @kernel
-def _publish(problem, state, agenda):
-    """Leave positions and open pair contacts as `synchronous` leaves them."""
+def _write_back(problem, state, agenda):
+    """Write positions and open pair contacts to the state, as `synchronous` does."""
     tally, clock, pairs = state.tally[0], agenda.clock[0], state.pairs
     _refresh(problem, state)
     found = 0
@@ -398,8 +399,8 @@ def _publish(problem, state, agenda):
 
 
 @kernel
-def _hand_back(problem, state, agenda):
-    """Take over from `synchronous` if the crowd has thinned; False if a row is too full."""
+def _resume_if_thinned(problem, state, agenda):
+    """Take over from `synchronous` if few particles touch; False if a row is full."""
     tally, clock, particles = state.tally[0], agenda.clock[0], state.particles
     touching = 0
     for i in range(tally.live):
@@ -429,12 +430,12 @@ def _hand_back(problem, state, agenda):
             near = agenda.rows[pair.i, m]
             if near.j == pair.j and pair.stiffness != 0.0:
                 _copy_memory(pair, near)
-    return _settle(problem, state, agenda, 0)
+    return _sleep_or_wake(problem, state, agenda, 0)
 
 
 @kernel
 def _compact(state, agenda):
-    """Close the gaps that removed particles left, in the agenda too."""
+    """Close the gaps of removed particles, in the agenda and in the state."""
     tally, clock = state.tally[0], agenda.clock[0]
     target = np.empty(tally.live, np.int64)
     kept = 0

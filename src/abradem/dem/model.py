@@ -1,4 +1,4 @@
-"""What a simulation is given and what it returns: plain data, SI units, no numba.
+"""Inputs and outputs of a simulation: plain data, SI units, no numba.
 
 Axes are right-handed with y up; gravity acts along -y. Angles are right-hand rotations
 about +z (positive lifts the +x side), in degrees.
@@ -53,7 +53,7 @@ class Material:
 
 @dataclass(frozen=True)
 class Interaction:
-    """What belongs to a pair of surfaces: restitution, static and rolling friction (all 1)."""
+    """Properties of a pair of surfaces: restitution, static and rolling friction (all 1)."""
 
     restitution: float
     static_friction: float
@@ -62,30 +62,31 @@ class Interaction:
     def __post_init__(self):
         _check_number("restitution", self.restitution, above=0.0, most=1.0)
         _check_number("static_friction", self.static_friction, least=0.0)
-        # The friction wear measure divides by it.
+        # The friction wear measure is divided by it.
         if 0.0 < self.static_friction < 1e-9:
             raise ValueError(
-                f"static_friction = {self.static_friction!r} must be 0 or from 1e-9 on"
+                f"static_friction = {self.static_friction!r} must be 0 or at least 1e-9"
             )
         _check_number("rolling_friction", self.rolling_friction, least=0.0)
 
 
 @dataclass(frozen=True)
 class ContactModel:
-    """Options of the contact law that documented codes leave open.
+    """Options of the contact law in which documented codes differ.
 
     Parameters
     ----------
     normal : {"exact_e", "nominal_clipped", "nominal_attractive"}
-        ``exact_e``: normal force never attractive, damping such that an isolated impact
-        rebounds at exactly e. ``nominal_clipped``: the textbook damping, never attractive.
-        ``nominal_attractive``: the textbook damping, no clip.
+        ``exact_e``: the normal force is never attractive, and an isolated impact rebounds at
+        exactly e. ``nominal_clipped``: the textbook damping (Tsuji et al. 1992), clipped so that
+        it is never attractive. ``nominal_attractive``: the textbook damping without a clip.
     tangential : {"incremental", "displacement"}
-        Spring force accumulated increment by increment, or stiffness times accumulated
+        The spring force is accumulated in increments, or is the stiffness times the accumulated
         displacement.
     tangential_damping : {"capped", "none", "uncapped"}
-        ``capped``: spring plus damping is limited by Coulomb's law. ``uncapped``: only the
-        spring is; the damping acts in stick without limit.
+        ``capped``: Coulomb's law limits the sum of spring and damping force. ``uncapped``: it
+        limits only the spring force; the damping force acts during stick without a limit.
+        ``none``: no tangential damping.
     """
 
     normal: str = "exact_e"
@@ -100,9 +101,9 @@ class ContactModel:
 
 @dataclass(frozen=True)
 class Case:
-    """The sampled quantities of one simulation; names, units and limits as in `parameters`.
+    """The sampled quantities of one simulation; names and units as in `abradem.quantities`.
 
-    ``seed`` selects the random positions of the released particles.
+    ``seed`` determines the random positions of the released particles.
     """
 
     particle_shear_modulus: float
@@ -122,7 +123,7 @@ class Case:
     seed: int = 0
 
     def __post_init__(self):
-        # The materials and the interaction check what is theirs.
+        # The materials and the interaction check their own fields.
         _ = self.particle, self.plate, self.interaction
         _check_number("archard_constant", self.archard_constant, above=0.0)
         _check_number("plate_angle", self.plate_angle, least=-90.0, most=90.0)
@@ -134,7 +135,7 @@ class Case:
 
     @classmethod
     def from_row(cls, row: Mapping) -> Case:
-        """Return the case of a row of a table of cases, which may hold further columns."""
+        """Return the case of a row of a table of cases; further columns are ignored."""
         names = (field.name for field in fields(cls) if field.name != "seed")
         return cls(**{name: float(row[name]) for name in names}, seed=int(row["seed"]))
 
@@ -160,44 +161,45 @@ class Case:
 
 @dataclass(frozen=True)
 class Setup:
-    """Everything about a simulation that is not sampled.
+    """All settings of a simulation that are not sampled.
 
     Parameters
     ----------
     plate_length, plate_width : float
         Extent of the plate along its slope (x when level) and along z, m.
     facet_size : float
-        Largest edge of a wear facet, m; the plate is divided evenly.
+        Largest edge of a wear facet, m; the plate is divided into equal facets.
     patch_length, patch_width : float
         Extent of the factory patch (of particle centres) along its slope and along z, m.
     fall_height : float
-        Height of the patch's centre above the plate's centre, m.
+        Height of the centre of the patch above the centre of the plate, m.
     mass_rate, number_rate : float or None
         Feed in kg/s or in particles per second; exactly one of them.
     removal_depth : float
-        Particles are removed this far below the plate's lowest point, m.
+        Depth below the lowest point of the plate at which particles are removed, m.
     gravity : float
         m/s2, along -y.
     contact : ContactModel
     pair_interaction : Interaction or None
-        Between particles; None takes the particle-plate interaction.
+        Interaction between particles; None means the same as between particle and plate.
     time_step_fraction : float
-        Step as a share of the Rayleigh time of the particle.
+        Time step as a fraction of the Rayleigh time of the particle.
     time_step : float or None
-        Step in s; overrides the fraction.
+        Time step, s; overrides ``time_step_fraction``.
     stepping : {"islands", "synchronous"}
-        ``islands`` skips the time in which nothing touches; both give the same bits.
+        ``islands`` skips the time in which nothing touches. Both give bitwise equal results.
     window : float
-        Length of the window after the transient over which facets are compared, and the least
-        steady time simulated, s.
+        Length of the window after the transient over which the wear of the facets is recorded,
+        s. It is also the shortest steady time that is simulated.
     max_time : float
         Longest simulated time, s.
     target_stderr : float
-        Simulate on until the relative standard error of the plate-mean wear rate is at most this.
+        The simulation continues until the relative standard error of the plate-mean wear rate
+        is at most this value.
     sample_interval : float
         Time between samples of the worn volume, s.
     duration : float or None
-        If given, simulate this long (to the nearest sample), s, whatever the standard error.
+        If given, the simulated time (to the nearest sample), s, whatever the standard error.
     """
 
     plate_length: float = 0.3
@@ -242,7 +244,7 @@ class Setup:
 
     @classmethod
     def from_dict(cls, values: Mapping) -> Setup:
-        """Return the set-up of plain values (a mapping of its fields), such as JSON holds."""
+        """Return the set-up for a mapping of its fields to plain values, for example from JSON."""
         values = dict(values)
         for name, kind in (("contact", ContactModel), ("pair_interaction", Interaction)):
             if isinstance(values.get(name), Mapping):
@@ -251,7 +253,7 @@ class Setup:
 
     @property
     def facets(self) -> tuple[int, int]:
-        """Number of facets along the plate's length and width."""
+        """Number of facets along the length and the width of the plate."""
         tiny = 1e-9
         return (
             int(np.ceil(self.plate_length / self.facet_size - tiny)),
@@ -260,21 +262,22 @@ class Setup:
 
     @property
     def plate_area(self) -> float:
-        """m2."""
+        """Area of the plate, m2."""
         return self.plate_length * self.plate_width
 
 
 @dataclass(frozen=True)
 class SimulationResult:
-    """What one simulation gives; wear is for an Archard constant of 1, in J = N m.
+    """Result of one simulation; wear is for an Archard constant of 1, in J = N m.
 
-    Multiplying by W (1/Pa) gives a volume in m3. The last axis of ``worn`` and the first of
-    the maps follow `abradem.quantities.WEAR_MEASURES`.
+    Wear times the Archard constant W (1/Pa) is the worn volume in m3 (Archard 1953). The last
+    axis of ``worn`` and the first axis of the maps are in the order of
+    `abradem.quantities.WEAR_MEASURES`.
 
     Attributes
     ----------
     status : str
-        "ok", or the named reason why the case ended early.
+        "ok", or the reason why the case ended early.
     time : ndarray, shape (n,)
         Sample times from 0, s.
     worn : ndarray, shape (n, 3)
@@ -282,34 +285,35 @@ class SimulationResult:
     delivered_mass : ndarray, shape (n,)
         Cumulative mass released, kg.
     present : ndarray of int, shape (n,)
-        Particles present.
+        Number of particles present.
     facet_wear : ndarray, shape (3, nx, nz)
-        F_n ds per facet within ``window``, J.
+        F_n ds per facet in the time of ``window``, J.
     facet_wear_all : ndarray, shape (3, nx, nz)
-        The same from the start to the end, J.
+        F_n ds per facet from the start to the end, J.
     window : tuple of float
         Start and end of the window, s; (nan, nan) if it was not completed.
     steady_from : float
         End of the transient, s; nan if the window after it was not completed.
     settled : bool
-        Whether the transient rule found wear and particles present steady.
+        Whether wear and number of particles present are steady by the transient rule.
     stderr : float
-        Relative standard error of the plate-mean ``total`` rate at the stop; nan if unknown.
+        Relative standard error of the plate-mean ``total`` rate at the end; nan if unknown.
     time_step : float
         s.
     simulated_time : float
         s.
     requested_rate, delivered_rate : float
-        Feed asked for and achieved, kg/s.
+        Requested and achieved feed, kg/s.
     face_share, edge_share, missed_share : float
-        Of the particles that met the plate or left without: first contact on its face, on an
-        edge or corner, none.
+        Shares of particles with first contact on the face of the plate, with first contact on
+        an edge or corner, and without any contact. The shares refer to all particles that have
+        touched the plate or were removed.
     max_overlap : float
-        Largest overlap of the run as a share of the radius.
+        Largest overlap of the simulation as a share of the radius.
     released, removed : int
-        Particles put in and taken out.
+        Number of particles released and removed.
     energy : dict
-        Book of mechanical energy, J: ``inserted``, ``removed``, ``resident``, ``dissipated``.
+        Balance of mechanical energy, J: ``inserted``, ``removed``, ``resident``, ``dissipated``.
     """
 
     case: Case
@@ -342,22 +346,22 @@ class SimulationResult:
 class Impact:
     """Outcome of a single impact on a plane; wear measures for an Archard constant of 1.
 
-    The plane's normal is +y; the sphere comes in along (sin a, -cos a, 0).
+    The normal of the plane is +y; the sphere approaches along (sin a, -cos a, 0).
 
     Attributes
     ----------
     normal_velocity, tangential_velocity : float
-        Of the centre after the impact, along +y and +x, m/s.
+        Velocity of the centre after the impact, along +y and +x, m/s.
     spin : ndarray, shape (3,)
-        rad/s; rolling forward is negative about z.
+        Spin after the impact, rad/s; rolling forward is a negative spin about z.
     contact_time : float
         Time with overlap, s.
     max_overlap : float
-        m.
+        Largest overlap, m.
     max_normal_force : float
-        N.
+        Largest normal force, N.
     total, sliding, friction_work : float
-        J; ``friction_work`` is not divided by the friction coefficient.
+        Wear measures, J; ``friction_work`` is not divided by the friction coefficient.
     time_step : float
         s.
     """
@@ -380,7 +384,7 @@ def _check_choice(name: str, value: str, allowed: tuple[str, ...]) -> None:
 
 
 def _check_number(name: str, value, least=-np.inf, most=np.inf, above=-np.inf) -> None:
-    """Refuse what is no finite number within [least, most] and above ``above``."""
+    """Raise if ``value`` is not a finite number in [least, most] and above ``above``."""
     try:
         fine = np.isfinite(value) and least <= value <= most and value > above
     except TypeError:

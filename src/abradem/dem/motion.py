@@ -1,10 +1,11 @@
-"""One step of one particle: what every stepping does with whatever it decides to step.
+"""One step of one particle, used by all steppings.
 
-Velocity Verlet: positions move with the half-step velocity; forces are taken at the new
-positions with the predicted full-step velocity; velocities finish with the new force. Wear and
-spring take the half-step velocity; wear takes the mean of the old and the new force.
+Velocity Verlet (Swope, Andersen, Berens & Wilson 1982, J. Chem. Phys. 76:637): positions are
+advanced with the half-step velocity, forces are evaluated at the new positions with the
+predicted full-step velocity, and velocities are completed with the new force. Springs and wear
+use the half-step velocity; wear uses the mean of the old and the new force.
 
-A step is `move`, then `touch_plate` and `touch_pair` for what overlaps, then `finish`.
+A step is `move`, then `touch_plate` and `touch_pair` for all overlaps, then `finish`.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from abradem.dem.vectors import cross, dot, fma, plus, scaled, split
 
 @kernel(inline=True)
 def fly_to(problem, particle, step):
-    """Put a flying particle where it is at a lattice step."""
+    """Set the position of a flying particle to that at a lattice step."""
     time = problem.dt * (step - particle.anchor_step)
     particle.x = flight(particle.anchor_x, particle.vx, time)
     particle.y = fall(particle.anchor_y, particle.vy, problem.gravity, time)
@@ -41,9 +42,9 @@ def fly_to(problem, particle, step):
 
 @kernel(inline=True)
 def move(problem, particle, step):
-    """Move a particle from ``step`` to the next; return by how much, (dx, dy, dz).
+    """Move a particle from ``step`` to the next one; return the displacement (dx, dy, dz).
 
-    The spins of the step are known since `finish`.
+    `finish` has already computed the spins of the step.
     """
     x, y, z = particle.x, particle.y, particle.z
     if particle.motion == FLYING:
@@ -60,10 +61,11 @@ def move(problem, particle, step):
 
 @kernel(inline=True)
 def _turn(problem, particle):
-    """Spin at this step, half a step on, and predicted for the next step.
+    """Compute the spin at this step, half a step later, and the prediction for the next step.
 
-    From one half step to the next: contact torques first, then the rolling resistance. Its root
-    and its division are taken once, so the spin of now is the mean of both.
+    From one half step to the next, the contact torques are applied first, then the rolling
+    resistance. Its square root and division are computed once, so the spin at this step is the
+    mean of the two half-step spins.
     """
     turn = problem.turn
     half_x, half_y, half_z = particle.half_wx, particle.half_wy, particle.half_wz
@@ -96,7 +98,7 @@ def _clear_load(problem, particle):
 
 @kernel(inline=True)
 def wake(problem, particle, step):
-    """Give a flying particle that meets something its velocities of the step from ``step``."""
+    """Set the velocities of a flying particle that touches something in the step from ``step``."""
     if particle.motion != FLYING:
         return
     particle.next_vx = particle.half_vx = particle.vx
@@ -112,7 +114,7 @@ def wake(problem, particle, step):
 
 @kernel(inline=True)
 def finish(problem, particle, step):
-    """Full-step velocities of what touches; what touches no more flies from here."""
+    """Complete the velocities of a particle in contact; without contact it flies from here on."""
     particle.vx, particle.vy, particle.vz = plus(
         (particle.half_vx, particle.half_vy, particle.half_vz),
         problem.kick,
@@ -137,7 +139,7 @@ def _point_velocity(v, w, arm, n):
 
 @kernel(inline=True)
 def _load(particle, fn, n, ft, arm):
-    """Add a contact force on a particle that acts at ``-arm n`` from its centre."""
+    """Add a contact force that acts on a particle at ``-arm n`` from its centre."""
     particle.fx, particle.fy, particle.fz = plus(
         (particle.fx + ft[0], particle.fy + ft[1], particle.fz + ft[2]), fn, n
     )
@@ -149,7 +151,10 @@ def _load(particle, fn, n, ft, arm):
 
 @kernel(inline=True)
 def touch_plate(problem, particle, tally, facet_wear):
-    """Contact of a particle with the plate: force, torque and wear of this step."""
+    """Contact of a particle with the plate: force, torque and wear of this step.
+
+    Wear is F_n ds for an Archard constant of 1 (Archard 1953, J. Appl. Phys. 24:981).
+    """
     radius, dt, law = problem.radius, problem.dt, problem.plate_law
     distance, n, along, across, on_face = plate_distance(
         problem.plate, particle.x, particle.y, particle.z
@@ -201,9 +206,9 @@ def touch_plate(problem, particle, tally, facet_wear):
             tally.face += 1 if on_face else 0
             tally.edge += 0 if on_face else 1
 
-    # Archard's F_n ds in its three wear measures.
+    # Archard's F_n ds by the three wear measures.
     total = 0.5 * (max(fn_old, 0.0) + max(fn, 0.0)) * math.sqrt(dot(slide, slide)) * dt
-    # Without friction everything slides: the other two wear measures have this limit.
+    # Without friction every contact slides: the other two wear measures tend to the total.
     sliding, friction = total, total
     mu = law.static_friction
     if mu > 0.0:
@@ -239,7 +244,7 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
     wake(problem, b, tally.step)
     overlap = 2.0 * problem.radius - distance
     arm = 0.5 * distance
-    # The arms are equal, so the relative velocity turns with the sum of the spins.
+    # The arms are equal, so the relative velocity depends on the sum of the spins.
     half_speed, slide = split(
         _point_velocity(
             (a.half_vx - b.half_vx, a.half_vy - b.half_vy, a.half_vz - b.half_vz),
@@ -280,8 +285,8 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
 
 @kernel(inline=True)
 def remove_if_fallen(problem, particle, tally):
-    """Take a particle out if it has fallen below the removal level."""
-    # A position that is no number stays, for the guard to find.
+    """Remove a particle that has fallen below the removal level."""
+    # A particle with a position of nan stays, so that the guard finds it.
     if not particle.y < problem.removal_height:
         return
     tally.energy_out += energy_of(problem, particle, tally.step)

@@ -1,9 +1,9 @@
-"""Pair list from a grid of cells: work and memory grow linearly with the particles.
+"""Pair list from a grid of cells: time and memory are linear in the number of particles.
 
-The grid is a box around all particles, its cells 2 R plus the skin wide, and wider where the box
-would have too many of them: a particle that strays far makes the list slower, not wrong. Particles
-are sorted by cell (counting sort), with their places, so that the neighbours of a particle lie in
-nine runs of memory.
+The grid is a box around all particles. Its cells are 2 R plus the skin wide, or wider if the box
+would otherwise have too many cells: a particle far away makes the search slower, not wrong.
+Particles and their positions are sorted by cell (counting sort), so that the neighbours of a
+particle are in nine contiguous pieces of memory.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from abradem.dem.cache import kernel
 from abradem.dem.state import GONE, SKIN
 
 CELLS_PER_PARTICLE = 8
-"""Most cells of the grid, for each particle."""
+"""Largest number of grid cells per particle."""
 
 
 @kernel(inline=True)
 def _cells(extent, width):
-    """Number of cells along an axis; one if positions are no finite numbers, or far too many."""
+    """Number of cells along an axis; one if it is not finite or does not fit an integer."""
     number = extent / width
     return np.int64(number) + 1 if 0.0 <= number < 2.0**62 else np.int64(1)
 
 
 @kernel
 def _make_grid(tally, particles, reach):
-    """Corner, cell widths and numbers of cells of a box that holds all particles.
+    """Corner, cell widths and numbers of cells of a box around all particles.
 
-    Cells are at least ``reach`` wide, and wider along the longest way where there would be too
-    many of them.
+    Cells are at least ``reach`` wide. If there are too many, they are widened along the axis
+    with the most cells.
     """
     low_x = low_y = low_z = np.inf
     high_x = high_y = high_z = -np.inf
@@ -58,15 +58,15 @@ def _make_grid(tally, particles, reach):
 
 @kernel
 def rebuild_pairs(problem, state):
-    """Make the list of all pairs nearer than 2 R plus the skin; False if it does not fit.
+    """Build the list of all pairs closer than 2 R plus the skin; False if it does not fit.
 
-    Contacts that are open keep their memory.
+    Open contacts keep their memory.
     """
     tally, particles, pairs = state.tally[0], state.particles, state.pairs
     live = tally.live
     reach = (2.0 + SKIN) * problem.radius
 
-    # Open contacts, chained by their first particle.
+    # Open contacts, as one linked list for each first particle.
     kept_count = 0
     for p in range(tally.pairs):
         if pairs[p].stiffness != 0.0:
@@ -90,7 +90,7 @@ def rebuild_pairs(problem, state):
         particle = particles[i]
         if particle.motion == GONE:
             continue
-        # What is no number has a cell too, and is left for the guard to find.
+        # Positions of nan get a cell too, so that the guard finds them.
         cx = min(max(np.int64((particle.x - low[0]) / width[0]), 0), nx - 1)
         cy = min(max(np.int64((particle.y - low[1]) / width[1]), 0), ny - 1)
         cz = min(max(np.int64((particle.z - low[2]) / width[2]), 0), nz - 1)
@@ -98,7 +98,7 @@ def rebuild_pairs(problem, state):
         first[cell[i]] += 1
     for c in range(nx * ny * nz):
         first[c + 1] += first[c]
-    # From the end of each cell backwards, after which `first` holds where each begins.
+    # Fill each cell from its end backwards; `first` is then the beginning of each cell.
     member = np.empty(live, np.int64)
     place = np.empty((live, 3))
     for i in range(live - 1, -1, -1):
@@ -122,7 +122,7 @@ def rebuild_pairs(problem, state):
         cx = cell[i] // nz // ny
         for bx in range(max(cx - 1, 0), min(cx + 2, nx)):
             for by in range(max(cy - 1, 0), min(cy + 2, ny)):
-                # Cells that follow each other along z lie one after the other.
+                # Neighbouring cells along z are contiguous.
                 row = (bx * ny + by) * nz
                 for m in range(first[row + max(cz - 1, 0)], first[row + min(cz + 2, nz)]):
                     j = member[m]
@@ -133,8 +133,8 @@ def rebuild_pairs(problem, state):
                         continue
                     if found == pairs.size:
                         return False
-                    # In ascending order of the partner: forces are then summed in one order,
-                    # whatever the grid, and every stepping gives the same bits.
+                    # Partners are in ascending order. Forces are then summed in the same order
+                    # for every grid, and all steppings give bitwise equal results.
                     at = found
                     while at > start and pairs[at - 1].j > j:
                         pairs[at].j = pairs[at - 1].j
@@ -157,7 +157,7 @@ def rebuild_pairs(problem, state):
 
 @kernel
 def append_pairs(problem, state, new):
-    """Add the pairs of a new particle with all before it; False if they do not fit."""
+    """Add the pairs of a new particle with all earlier ones; False if they do not fit."""
     tally, particles, pairs = state.tally[0], state.particles, state.pairs
     reach = (2.0 + SKIN) * problem.radius
     for j in range(new):
@@ -176,7 +176,7 @@ def append_pairs(problem, state, new):
 
 @kernel
 def compact(state):
-    """Close the gaps that removed particles left; the pair list follows."""
+    """Close the gaps of removed particles in the arrays and update the pair list."""
     tally, particles, pairs = state.tally[0], state.particles, state.pairs
     target = np.empty(tally.live, np.int64)
     kept = 0

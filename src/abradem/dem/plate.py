@@ -1,7 +1,7 @@
-"""Geometry of the plate: a rectangle without thickness, its edges and corners real.
+"""Geometry of the plate: a rectangle without thickness, with contacts at edges and corners.
 
-The plate's centre is the origin; ``a = (cos phi, sin phi, 0)`` runs along its length,
-``h = (-sin phi, cos phi, 0)`` is its normal and z runs along its width.
+The centre of the plate is the origin; ``a = (cos phi, sin phi, 0)`` is along its length,
+``h = (-sin phi, cos phi, 0)`` is its normal and z is along its width.
 """
 
 from __future__ import annotations
@@ -50,7 +50,10 @@ def height_over(plate, x, y):
 
 @kernel(inline=True)
 def plate_distance(plate, x, y, z):
-    """Return distance to the plate, unit normal towards the point, nearest (along, z), on_face."""
+    """Return distance to the plate, unit normal towards the point, nearest (along, z), on_face.
+
+    ``on_face`` is False if the nearest point of the plate is on an edge or corner.
+    """
     along = fma(plate.cos, x, plate.sin * y)
     height = height_over(plate, x, y)
     near_along = min(max(along, -plate.half_length), plate.half_length)

@@ -1,4 +1,7 @@
-"""Rows: the partners that an awake particle may meet within some hundred steps, see `islands`."""
+"""Rows: the partners that an awake particle can touch in the next few hundred steps.
+
+See `islands`.
+"""
 
 from __future__ import annotations
 
@@ -12,15 +15,15 @@ from abradem.dem.cache import kernel
 from abradem.dem.state import GONE
 
 REACH = 1.0
-"""How far beyond contact a row looks when it is made, in radii."""
+"""Largest gap to a partner in a new row, in radii."""
 
 CROWD = 256
-"""From this many particles on, rows look for partners in a grid of cells, not among all."""
+"""Number of particles from which on partners are searched in a grid of cells, not among all."""
 
 
 @kernel(inline=True)
 def _enter(problem, agenda, i, size, j, distance2, now):
-    """Enter partner j in the row of i, in ascending order; return the size, SLOTS + 1 if full."""
+    """Insert partner j into the row of i in ascending order; return the size, SLOTS + 1 if full."""
     if size >= SLOTS:
         return SLOTS + 1
     rows = agenda.rows
@@ -38,11 +41,11 @@ def _enter(problem, agenda, i, size, j, distance2, now):
 
 @kernel
 def _partners_of_all(problem, state, agenda, i, now, reach2):
-    """Make the row of i by looking at every particle; return its size."""
+    """Build the row of i from all particles; return its size."""
     a, live, distance2 = state.particles[i], state.tally[0].live, agenda.scratch
     distances(problem, agenda.flights, distance2, live, now, a.x, a.y, a.z)
     for k in range(agenda.clock[0].awake):
-        # What is awake stands where it is, in contact or not.
+        # Awake particles have their current position in the state, in contact or not.
         j = agenda.awake[k]
         distance2[j] = centre_distance2(a, state.particles[j])
     size = 0
@@ -60,10 +63,10 @@ def _cell_slot(cx, cy, cz, mask):
 
 @kernel
 def _partners_of_grid(problem, state, agenda, i, now, reach):
-    """Make the row of i by looking into the cells around it; return its size."""
+    """Build the row of i from the cells around it; return its size."""
     tally, clock, flights, cell = state.tally[0], agenda.clock[0], agenda.flights, agenda.grid_cell
     width = 4.0 * problem.radius
-    # Since the grid was made, anything has moved by at most this much.
+    # Largest possible displacement of a particle since the grid was built.
     drift = clock.limit * problem.dt * (now - clock.grid_step)
     if drift > 0.5 * problem.radius or clock.grid_live != tally.live:
         _make_grid(problem, state, agenda, now, width)
@@ -111,7 +114,7 @@ def _grid_slots(live):
 
 @kernel
 def _make_grid(problem, state, agenda, now, width):
-    """Sort all particles by the cell they are in at step ``now``."""
+    """Sort all particles by their cell at step ``now``."""
     tally, clock, flights, cell = state.tally[0], agenda.clock[0], agenda.flights, agenda.grid_cell
     first, live = agenda.grid_first, tally.live
     size = _grid_slots(live)
@@ -130,7 +133,7 @@ def _make_grid(problem, state, agenda, now, width):
         first[_cell_slot(cell[j, 0], cell[j, 1], cell[j, 2], size - 1)] += 1
     for slot in range(size):
         first[slot + 1] += first[slot]
-    # From the end of each slot backwards, after which `first` holds where each begins.
+    # Fill each slot from its end backwards; `first` is then the beginning of each slot.
     for j in range(live - 1, -1, -1):
         slot = _cell_slot(cell[j, 0], cell[j, 1], cell[j, 2], size - 1)
         first[slot] -= 1
@@ -141,9 +144,9 @@ def _make_grid(problem, state, agenda, now, width):
 
 @kernel
 def make_row(problem, state, agenda, i, now):
-    """Make the row of particle i from all positions at step ``now``; False if it is too full."""
+    """Build the row of particle i from all positions at step ``now``; False if it is full."""
     clock, rows = agenda.clock[0], agenda.rows
-    # Memory of open contacts outlives the row.
+    # The memory of open contacts is kept for the new row.
     kept = 0
     for m in range(agenda.row_size[i]):
         if rows[i, m].stiffness != 0.0:
@@ -162,7 +165,7 @@ def make_row(problem, state, agenda, i, now):
             break
         if steps == 1:
             return False
-        steps //= 2
+        steps //= 2  # type: ignore[operator]  # a number to numba
     first = NEVER
     for m in range(size):
         first = min(first, rows[i, m].next_check)
@@ -181,7 +184,7 @@ def make_row(problem, state, agenda, i, now):
 
 @kernel
 def raise_limit(problem, state, agenda, speed, now):
-    """Set a speed limit above ``speed`` and make all rows again; False if one is too full."""
+    """Set a speed limit above ``speed`` and build all rows again; False if one is full."""
     clock = agenda.clock[0]
     clock.limit = 1.2 * speed
     for k in range(clock.awake):

@@ -1,6 +1,6 @@
-"""Many samples in one call: what a case is asked for between two looks at its stop rule.
+"""Several samples in one kernel call, between two evaluations of the stop rule.
 
-A call of a kernel from Python costs more than the steps of a thin jet between two samples.
+A kernel call from Python costs more than the steps of a dilute jet between two samples.
 """
 
 from __future__ import annotations
@@ -16,45 +16,46 @@ from abradem.dem.energy import resident_energy
 from abradem.dem.state import DONE, STOP_ENERGY_GAIN, STOP_NOT_FINITE, STOP_WEAR_NOT_FINITE, WORN
 
 ENERGY_TOLERANCE = 0.02
-"""Energy gained between two samples that ends a case, as a share of the energy put in."""
+"""Energy gain between two samples that ends a case, as a share of the energy inserted."""
 
 
-# Energy dissipated until the latest sample, J, and, if that ended the case, what was gained since
-# the sample before, as a share of the energy put in.
-BOOK = np.dtype([("dissipated", np.float64), ("gained", np.float64)])
+# Energy dissipated up to the latest sample, J. If an energy gain ended the case: the gain since
+# the previous sample, as a share of the energy inserted.
+BALANCE = np.dtype([("dissipated", np.float64), ("gained", np.float64)])
 
 
 class Record(NamedTuple):
-    """What is noted at each sample.
+    """Values recorded at each sample.
 
     Attributes
     ----------
     worn : ndarray, shape (samples, 3)
-        Wear of the plate by wear measure, W = 1, J.
+        Cumulative wear of the plate by wear measure, W = 1, J.
     placed, present : ndarray of int, shape (samples,)
-        Particles released, and those of them that were not removed yet.
-    book : ndarray of BOOK, shape (1,)
+        Number of particles released so far, and number of particles present.
+    balance : ndarray of BALANCE, shape (1,)
+        Energy balance at the latest sample.
     """
 
     worn: np.ndarray
     placed: np.ndarray
     present: np.ndarray
-    book: np.ndarray
+    balance: np.ndarray
 
 
 def make_record(samples: int) -> Record:
-    """Return an empty record with room for ``samples`` after the beginning."""
+    """Return an empty record for ``samples`` samples after the one at time 0."""
     return Record(
         np.zeros((samples + 1, len(WORN))),
         np.zeros(samples + 1, np.int64),
         np.zeros(samples + 1, np.int64),
-        np.zeros(1, BOOK),
+        np.zeros(1, BALANCE),
     )
 
 
 @kernel
 def advance(problem, schedule, state, agenda, last_step):
-    """Advance to lattice step ``last_step``, without an agenda by conventional stepping."""
+    """Advance to lattice step ``last_step``; conventional stepping if ``agenda`` is None."""
     if agenda is None:
         return synchronous.advance(problem, schedule, state, last_step)
     return islands.advance(problem, schedule, state, agenda, last_step)
@@ -62,16 +63,16 @@ def advance(problem, schedule, state, agenda, last_step):
 
 @kernel
 def take_samples(problem, schedule, state, agenda, sample_steps, sample, last, record):
-    """Go on from ``sample`` to ``last``; return the last one reached and how that ended.
+    """Continue from ``sample`` to ``last``; return the last sample reached and the outcome.
 
-    Samples are ``sample_steps`` lattice steps apart. Calling it in pieces gives the same bits as
-    calling it once.
+    Samples are ``sample_steps`` lattice steps apart. Several calls give bitwise the same result
+    as a single call.
     """
     tally = state.tally[0]
     while sample < last:
         outcome = advance(problem, schedule, state, agenda, (sample + 1) * sample_steps)
         if outcome == DONE:
-            outcome = _guard(problem, state, record.book[0])
+            outcome = _guard(problem, state, record.balance[0])
         if outcome != DONE:
             return sample, outcome
         sample += 1
@@ -85,8 +86,8 @@ def take_samples(problem, schedule, state, agenda, sample_steps, sample, last, r
 
 
 @kernel
-def _guard(problem, state, book):
-    """Check that positions are numbers and that no energy was gained since the last sample."""
+def _guard(problem, state, balance):
+    """Check that positions and wear are finite and that no energy was gained since last time."""
     tally = state.tally[0]
     resident = resident_energy(problem, state)
     if not (math.isfinite(resident) and math.isfinite(tally.energy_out)):
@@ -95,9 +96,9 @@ def _guard(problem, state, book):
     if not (math.isfinite(worn[0]) and math.isfinite(worn[1]) and math.isfinite(worn[2])):
         return STOP_WEAR_NOT_FINITE
     dissipated = tally.energy_in - tally.energy_out - resident
-    gained = book.dissipated - dissipated
-    book.dissipated = dissipated
+    gained = balance.dissipated - dissipated
+    balance.dissipated = dissipated
     if gained > ENERGY_TOLERANCE * max(tally.energy_in, 0.0) and gained > 0.0:
-        book.gained = gained / tally.energy_in
+        balance.gained = gained / tally.energy_in
         return STOP_ENERGY_GAIN
     return DONE

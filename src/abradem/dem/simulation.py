@@ -1,4 +1,4 @@
-"""One case from the first particle to the stop rule."""
+"""Simulation of one case, from the first particle to the stop rule."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from abradem.dem import samples
 from abradem.dem.agenda import grown_agenda, make_agenda
-from abradem.dem.energy import energy_book
+from abradem.dem.energy import energy_balance
 from abradem.dem.model import Case, Setup, SimulationResult
 from abradem.dem.samples import Record, make_record
 from abradem.dem.state import (
@@ -27,41 +27,43 @@ from abradem.elastic import hertz_duration, sphere_volume
 
 FIRST_CAPACITY = 64
 CHECK_GROWTH = 1.1
-"""A steady record is looked at again when the simulated time has grown by this factor: often enough
-to stop early, seldom enough not to stop on a lucky fluctuation of the standard error."""
+"""Growth factor of the simulated time between two evaluations of the stop rule: small enough to
+stop early, large enough not to stop on a random fluctuation of the standard error."""
 
 MAPS_PER_WINDOW = 10
 PARTICLES_IN_A_CALL = 2000
-"""Particles present times samples that one call of a kernel takes."""
+"""Largest product of particles present and samples in one kernel call."""
 
 FEWEST_STEPS_PER_CONTACT = 5.0
 MOST_STEPS_PER_CONTACT = 1e5
 MOST_SAMPLES = 10**5
 MOST_PARTICLES = 2**19
-"""Particles present at once, samples, and steps per contact beyond which a case, which would not
-end in days, is refused or stopped."""
+"""Limits of the steps per contact, samples, and particles present at once. A case beyond a limit
+is rejected or stopped; above the upper limits it would take days."""
 
 
 def simulate(case: Case, setup: Setup | None = None, releases=None, progress=None, recorder=None):
-    """Pour spheres on the plate of ``case`` until its wear rate is known well enough.
+    """Pour particles on the plate of ``case`` until the wear rate is accurate enough.
 
-    The transient is dropped by `steady.steady_part`. Simulation goes on until the ``window``
-    after it is complete and the relative standard error of the plate-mean ``total`` rate is at
-    most ``target_stderr``, or until ``max_time``; with ``duration``, exactly so long.
+    `steady.steady_part` finds the end of the transient. The simulation continues until the
+    ``window`` after the transient is complete and the relative standard error of the plate-mean
+    ``total`` rate is at most ``target_stderr``, or until ``max_time``. If ``duration`` is given,
+    it ends exactly after that time.
 
     Parameters
     ----------
     case : Case
     setup : Setup, optional
-        The default is the study of the paper.
+        The default is the set-up of the paper.
     releases : tuple of array_like, optional
-        Times (n,) in s, positions (n, 3) in m, velocities (n, 3) in m/s and optionally spins
-        (n, 3) in rad/s, which replace the factory; every code can be fed the same particles.
+        Times (n,) in s, positions (n, 3) in m, velocities (n, 3) in m/s and, optionally, spins
+        (n, 3) in rad/s of the released particles. They replace the factory, so that other codes
+        can be given the same particles.
     progress : callable, optional
         Called with the simulated time (s) at each sample.
     recorder : object, optional
-        With an attribute ``interval`` (s) and a method ``record(time, problem, state)``, called
-        at 0 and then at that interval; it must not change the state.
+        Has an attribute ``interval`` (s) and a method ``record(time, problem, state)``, which is
+        called at time 0 and then at that interval. It must not change the state.
 
     Returns
     -------
@@ -70,14 +72,14 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     Raises
     ------
     ValueError
-        If the time step does not resolve a contact or is absurdly short, if samples or particles
-        would be too many, or the releases are malformed.
+        If the time step does not resolve a contact or is far too short, if there would be too
+        many samples or particles, or if the releases are malformed.
     """
     setup = Setup() if setup is None else setup
     problem, schedule = make_problem(case, setup, releases)
     _check_step(problem, schedule, setup)
     _check_size(problem, setup)
-    engine = _Engine(problem, schedule, setup.stepping)
+    engine = Engine(problem, schedule, setup.stepping)
     sample_steps = max(1, round(setup.sample_interval / problem.dt))
     interval = sample_steps * problem.dt
     map_samples = max(1, round(setup.window / MAPS_PER_WINDOW / interval))
@@ -94,17 +96,18 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     status = "ok"
     look = int(np.searchsorted(time, setup.window)) if setup.duration is None else count + 1
     alone = recorder or progress is not None
-    sample, outcome = 0, DONE
+    sample = 0
+    outcome: int | str = DONE
     while sample < count:
         last = sample + 1
         if not alone:
-            # On to what is due next: a map or a look at the stop rule.
+            # Continue to the next map or the next evaluation of the stop rule.
             last = min(count, (sample // map_samples + 1) * map_samples, max(last, look))
             last = min(last, sample + engine.samples_in_a_call())
         if recorder:
             outcome = engine.advance(last * sample_steps, record_steps, recorder)
         if outcome == DONE:
-            # Has nothing left to advance where a recorder looked on, and notes the sample.
+            # With a recorder the state is already advanced, and this only takes the sample.
             sample, outcome = engine.take_samples(sample_steps, sample, last, record)
         if outcome != DONE:
             status = _status(outcome, record)
@@ -119,7 +122,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
             if not steady.settled:
                 look = min(look, sample + map_samples)
             elif not steady.complete(len(maps)):
-                # Nothing but the rest of the window is missing, as far as is known.
+                # So far, only the rest of the window is missing.
                 look = min(look, steady.last_map * map_samples)
             elif steady.relative_stderr <= setup.target_stderr:
                 break
@@ -130,23 +133,23 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
 
 
 def _status(outcome: int | str, record: Record) -> str:
-    """How a case ended, in words."""
+    """Return the status text of a case that ended early."""
     if outcome == STOP_ENERGY_GAIN:
-        return f"energy gain of {100 * record.book['gained'][0]:.1f} % of the energy put in"
-    return STOP_REASONS.get(outcome, outcome)
+        return f"energy gain of {100 * record.balance['gained'][0]:.1f} % of the energy put in"
+    return outcome if isinstance(outcome, str) else STOP_REASONS[outcome]
 
 
-class _Engine:
-    """A state and the stepping that advances it, with room made as needed."""
+class Engine:
+    """A state and the stepping that advances it; the arrays grow as needed."""
 
     def __init__(self, problem: Problem, schedule: Schedule, stepping: str):
         self.problem, self.schedule = problem, schedule
         self.state = make_state(problem, FIRST_CAPACITY)
-        # Only the stepping by islands keeps an agenda.
+        # Only the stepping by islands needs an agenda.
         self.agenda = make_agenda(problem, FIRST_CAPACITY) if stepping == "islands" else None
 
     def advance(self, last_step: int, record_steps=None, recorder=None) -> int | str:
-        """Step on to ``last_step``, recording on the way; return how that ended."""
+        """Advance to ``last_step`` and call the recorder at its interval; return the outcome."""
         while True:
             target = last_step
             if record_steps:
@@ -167,7 +170,7 @@ class _Engine:
     def take_samples(
         self, sample_steps: int, sample: int, last: int, record: Record
     ) -> tuple[int, int | str]:
-        """Go on from a sample to a later one; return the last one reached and how that ended."""
+        """Continue to sample ``last``; return the last sample reached and the outcome."""
         while True:
             sample, outcome = samples.take_samples(
                 self.problem, self.schedule, self.state, self.agenda, sample_steps, sample, last,
@@ -180,11 +183,11 @@ class _Engine:
             return sample, outcome
 
     def samples_in_a_call(self) -> int:
-        """How many samples to take in one call: an interrupt waits for its end."""
+        """Number of samples in one kernel call; an interrupt only acts after the call."""
         return max(1, PARTICLES_IN_A_CALL // max(1, int(self.state.tally["live"][0])))
 
     def _make_room(self) -> int | str:
-        """Make room for twice as many particles; return what stands against it, or `DONE`."""
+        """Double the capacity; return `DONE`, or the reason why it cannot be increased."""
         capacity = 2 * self.state.particles.size
         if capacity > MOST_PARTICLES:
             return f"more than {MOST_PARTICLES} particles at once"
@@ -195,7 +198,7 @@ class _Engine:
 
 
 def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
-    """Refuse a step that would jump through a contact."""
+    """Raise if the time step does not resolve a contact or is far too short."""
     fastest = _fall_speed(problem, setup)
     if problem.scheduled and schedule.velocity.size:
         heights = np.maximum(schedule.position[:, 1] - problem.removal_height, 0.0)
@@ -205,7 +208,7 @@ def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
     if fastest == 0.0:
         return
     steps = hertz_duration(problem.plate_law.kn, problem.mass, fastest) / problem.dt
-    # Also where an infinite speed leaves no number of steps at all.
+    # The condition also catches nan, the result of an infinite speed.
     if not steps >= FEWEST_STEPS_PER_CONTACT:
         raise ValueError(
             f"time step {problem.dt:.3g} s gives {steps:.1f} steps per contact at "
@@ -214,32 +217,32 @@ def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
     if steps > MOST_STEPS_PER_CONTACT:
         raise ValueError(
             f"time step {problem.dt:.3g} s gives {steps:.3g} steps per contact at "
-            f"{fastest:.3g} m/s; at most {MOST_STEPS_PER_CONTACT:g} are taken"
+            f"{fastest:.3g} m/s; at most {MOST_STEPS_PER_CONTACT:g} are allowed"
         )
 
 
 def _check_size(problem: Problem, setup: Setup) -> None:
-    """Refuse what would need more samples or particles than a computer has time for."""
+    """Raise if the simulation would need too many samples or particles."""
     samples = _longest(setup) / max(setup.sample_interval, problem.dt)
     if samples > MOST_SAMPLES:
         raise ValueError(
             f"sample_interval = {setup.sample_interval:g} s gives {samples:.3g} samples in "
-            f"{_longest(setup):g} s; at most {MOST_SAMPLES} are taken"
+            f"{_longest(setup):g} s; at most {MOST_SAMPLES} are allowed"
         )
     fastest = _fall_speed(problem, setup)
     if problem.scheduled or fastest == 0.0:
         return
-    # Above the plate at once: what is released during the fall, or what has room there.
+    # Above the plate at once: the particles released during one fall, or those that fit there.
     falling = min(problem.rate * setup.fall_height / fastest, _room(problem, setup))
     if falling > MOST_PARTICLES:
         raise ValueError(
             f"the feed of {problem.rate:.3g} particles per second of radius {problem.radius:g} m "
-            f"keeps {falling:.3g} of them in the air; at most {MOST_PARTICLES} are simulated"
+            f"keeps {falling:.3g} of them in the air; at most {MOST_PARTICLES} are allowed"
         )
 
 
 def _fall_speed(problem: Problem, setup: Setup) -> float:
-    """Speed of a particle from the factory at the height of the plate's middle, m/s."""
+    """Speed of a particle from the factory at the height of the centre of the plate, m/s."""
     return math.sqrt(problem.release_speed**2 + 2.0 * problem.gravity * setup.fall_height)
 
 
@@ -248,7 +251,7 @@ def _longest(setup: Setup) -> float:
 
 
 def _room(problem: Problem, setup: Setup) -> float:
-    """Particles that find room between patch and plate: volume by that of a sphere."""
+    """Number of particles that fit between patch and plate: volume over that of a particle."""
     sides = (
         side + 2.0 * problem.radius
         for side in (setup.patch_length, setup.patch_width, setup.fall_height)
@@ -257,10 +260,10 @@ def _room(problem: Problem, setup: Setup) -> float:
 
 
 class SteadyPart:
-    """The steady part of a record: where it begins and how well the rate is known."""
+    """The steady part of a record: its start, and its rate with the standard error."""
 
     def __init__(self, time, total, present, window_maps: int, map_interval: float):
-        # Its start is moved on to the next map.
+        # The start is moved to the next map.
         start = steady_part(time, total, present, (window_maps + 1) * map_interval)
         self.settled = start.settled
         self.first_map = math.ceil(start.time / map_interval - 1e-9)
@@ -273,7 +276,7 @@ class SteadyPart:
         self.relative_stderr = found.stderr / found.rate if known else math.inf
 
     def complete(self, maps: int) -> bool:
-        """Whether the window after its start lies within a record with so many maps."""
+        """Whether the window after the start is inside a record with this number of maps."""
         return self.last_map < maps
 
 
@@ -326,5 +329,5 @@ def _result(
         max_overlap=float(tally["largest_overlap"] / problem.radius),
         released=int(tally["placed"]),
         removed=int(tally["removed"]),
-        energy=energy_book(problem, state),
+        energy=energy_balance(problem, state),
     )

@@ -1,8 +1,9 @@
-"""What a simulation consists of: constants, the state of all particles, and their making.
+"""Constants of a simulation, the state of all particles, and the functions that create them.
 
-Free flight is never integrated. A particle that touches nothing is an *anchor*, the state and
-lattice index at which its last contact ended (or its release), and `flight` evaluates its
-parabola from there. Every stepping uses the same function, so particles in flight agree bitwise.
+Free flight is never integrated. A particle that touches nothing is described by an *anchor*: the
+state and lattice step of its release or of the end of its last contact. `flight` and `fall`
+evaluate its parabola from there. All steppings use these functions, so that particles in flight
+are bitwise equal.
 """
 
 from __future__ import annotations
@@ -23,13 +24,14 @@ SKIN = 0.3
 """Reach of the pair list beyond contact, in radii."""
 
 PAIRS_PER_PARTICLE = 8
-"""Room in the pair list: equal spheres have at most 12 neighbours in reach, counted once."""
+"""Pairs per particle in the pair list. Equal spheres have at most 12 neighbours, and each pair is
+stored once."""
 
 OVERLAP_STOP = 0.2
 """Overlap, as a share of the radius, above which a case is stopped."""
 
 RETRY = 5e-4
-"""A particle that found no room waits so long for those before it to move on, s."""
+"""Waiting time of a particle for which there was no free position on the patch, s."""
 
 # Motion of a particle.
 GONE, FLYING, WAKING, TOUCHING = 0, 1, 2, 3
@@ -37,7 +39,7 @@ GONE, FLYING, WAKING, TOUCHING = 0, 1, 2, 3
 # First contact of a particle with the plate.
 NOT_YET, ON_FACE, ON_EDGE = 0, 1, 2
 
-# Ways in which `advance` returns.
+# Outcomes of `advance`.
 DONE, NEEDS_ROOM, STOP_OVERLAP, STOP_RELEASE, STOP_CROWDED = 0, 1, 2, 3, 4
 STOP_NOT_FINITE, STOP_WEAR_NOT_FINITE, STOP_ENERGY_GAIN = 5, 6, 7
 STOP_REASONS = {
@@ -57,14 +59,15 @@ class Problem(NamedTuple):
     radius: float
     mass: float
     inertia: float
-    # dt / 2m and dt / I: what a force of 1 gives in half a step, and a torque of 1 in a step.
+    # dt / 2m and dt / I: change of velocity by a unit force in half a step, and change of spin by
+    # a unit torque in a step.
     kick: float
     turn: float
     plate: Plate
     plate_law: Law
     pair_law: Law
     removal_height: float
-    # Feed: from the factory (scheduled is False) or from given releases.
+    # Feed: from the factory (scheduled is False) or from given releases (True).
     scheduled: bool
     rate: float
     retry_steps: int
@@ -90,7 +93,7 @@ def _fields(names: str, kind=np.float64):
     return [(name, kind) for name in names.split()]
 
 
-# One particle. What every step of a flying particle reads comes first: two cache lines.
+# One particle. The fields that a step of a flying particle reads come first: two cache lines.
 # Velocity and spin of a flying particle are those of its anchor.
 PARTICLE = np.dtype(
     _fields("motion anchor_step", np.int64)
@@ -108,17 +111,17 @@ PARTICLE = np.dtype(
     + _fields("plate_slips", np.int64)
 )
 
-# One entry of the pair list, with the memory of its contact; stiffness 0: not touching. An index
-# without a sign spares numba the question whether it counts from the end.
+# One entry of the pair list, with the memory of its contact; stiffness 0: not touching. With
+# unsigned indices numba need not check for negative ones, which count from the end.
 PAIR = np.dtype(_fields("i j", np.uint32) + _fields("stiffness sx sy sz fn tx ty tz"))
 
 # Clock, counters and sums.
 TALLY = np.dtype(
     _fields("step live gone pairs placed draws next_release", np.int64)
     + _fields("face edge missed removed", np.int64)
-    # Distance by which any two can have come nearer since the pair list was made, m.
+    # Largest possible approach of any two particles since the pair list was built, m.
     + _fields("drift")
-    # The largest overlap so far, m.
+    # Largest overlap so far, m.
     + _fields("largest_overlap")
     + _fields("energy_in energy_out")
     # Wear of the whole plate for W = 1, J.
@@ -127,22 +130,22 @@ TALLY = np.dtype(
 
 
 WORN = ("worn_total", "worn_sliding", "worn_friction")
-"""Wear measures in the order of all arrays, that of `abradem.quantities.WEAR_MEASURES`."""
+"""Fields of `TALLY` for the wear measures, in the order of `abradem.quantities.WEAR_MEASURES`."""
 
 
 class State(NamedTuple):
     """State of a simulation.
 
-    Everything lives in a few arrays of records: a kernel that gets a record gets a pointer,
-    while every array passed to it would cost a count of references.
+    All values are in a few arrays of records. A record is passed to a kernel as a pointer, while
+    every array passed to it costs reference counting.
 
     Attributes
     ----------
     tally : ndarray of TALLY, shape (1,)
     particles : ndarray of PARTICLE, shape (capacity,)
-    pairs : ndarray of PAIR, shape (room,)
+    pairs : ndarray of PAIR, shape (capacity * PAIRS_PER_PARTICLE,)
     facet_wear : ndarray, shape (3, nx, nz)
-        By wear measure, W = 1, J.
+        Wear of each facet by wear measure, W = 1, J.
     """
 
     tally: np.ndarray
@@ -160,7 +163,18 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
     setup : Setup
     releases : tuple of array_like, optional
         Times (n,) in s, ascending, positions (n, 3) in m, velocities (n, 3) in m/s and,
-        optionally, spins (n, 3) in rad/s that replace the factory.
+        optionally, spins (n, 3) in rad/s of the released particles; they replace the factory.
+
+    Returns
+    -------
+    problem : Problem
+    schedule : Schedule
+        Empty without ``releases``.
+
+    Raises
+    ------
+    ValueError
+        If the releases have other shapes, are not finite or do not ascend in time from 0 on.
     """
     radius = case.particle_radius
     mass = sphere_mass(radius, case.particle_density)
@@ -216,7 +230,7 @@ def _schedule(releases, dt):
     if not all(np.isfinite(v).all() for v in (times, *vectors)):
         raise ValueError("releases must be finite numbers")
     if np.any(np.diff(times) < 0) or np.any(times < 0):
-        raise ValueError("release times must ascend from 0 on")
+        raise ValueError("release times must be ascending and not negative")
     return Schedule(np.rint(times / dt).astype(np.int64), *vectors)
 
 
@@ -241,13 +255,13 @@ def grown(state: State, capacity: int) -> State:
 
 @kernel(inline=True)
 def flight(start, velocity, time):
-    """x0 + v0 t, along a horizontal axis."""
+    """Position x0 + v0 t along a horizontal axis, m."""
     return fma(velocity, time, start)
 
 
 @kernel(inline=True)
 def fall(start, velocity, gravity, time):
-    """y0 + v0 t - g t^2 / 2, along the vertical."""
+    """Height y0 + v0 t - g t^2 / 2, m."""
     return fma(fma(-0.5 * gravity, time, velocity), time, start)
 
 
@@ -259,7 +273,7 @@ def fall_speed(problem, particle, step):
 
 @kernel(inline=True)
 def energy_of(problem, particle, step):
-    """Kinetic energy and energy of height above the removal level of a particle, J."""
+    """Kinetic energy of a particle plus its potential energy above the removal level, J."""
     vy = fall_speed(problem, particle, step) if particle.motion == FLYING else particle.vy
     speed2 = particle.vx**2 + vy**2 + particle.vz**2
     spin2 = particle.wx**2 + particle.wy**2 + particle.wz**2

@@ -1,10 +1,11 @@
-"""Where the steady state begins, and how well its rate is known.
+"""Start of the steady state, and the standard error of its rate.
 
 The cumulative worn volume is a random walk around a straight line, so the usual standard error
-of a fitted slope is far too small. Rates are therefore judged by batch means of *increments*.
+of a fitted slope is far too small. Rates and their errors are therefore computed from batch
+means of *increments*.
 
-A bed that fills shields the plate more and more. The particles present show that sooner and with
-less noise than the wear, so a steady state is one of both.
+A bed that fills up shields the plate more and more. The number of particles present shows this
+earlier and with less noise than the wear, so both must be steady.
 """
 
 from __future__ import annotations
@@ -15,25 +16,26 @@ from typing import NamedTuple
 import numpy as np
 
 BIN = 0.1
-"""Width of the increments that the transient rule looks at, s."""
+"""Width of the increments that the transient rule uses, s."""
 
 LAG1_QUANTILE = 1.645
-"""One-sided 95 % bound of a normal variable: larger lag-1 correlations are believed."""
+"""One-sided 95 % bound of a normal variable: larger lag-1 correlations are significant."""
 
 LEAST_BINS = 20
-"""Bins that a late truncation must leave, as the scatter of a few says nothing."""
+"""Bins that must remain after a late truncation; the scatter of fewer is not informative."""
 
 ROUNDING = 1e-18
-"""Variance, as a share of the mean square, that is none."""
+"""Variance, as a share of the mean square, below which it is taken as zero."""
 
 LARGEST_CHANGE = 0.2
-"""Change of wear rate or particles present over the steady part, as a share of their mean, above
-which it is none. The wear of a bed falls by up to 1.2 % where its particles grow by 1 %, so that
-the mean over the part can differ by a tenth from that at its end. What fills more slowly is not
-seen; docs/method.md says by how much beds were off."""
+"""Largest change of the wear rate or of the particles present over a steady part, as a share of
+the mean. The wear of a bed falls by up to 1.2 % if the number of its particles grows by 1 %, so
+the mean over the part can differ by a tenth from the value at its end. A bed that fills more
+slowly is not detected; docs/method.md gives the resulting errors."""
 
 SIGNIFICANT = 3.0
-"""Standard errors that such a change must have, lest chance keep few large particles unsteady."""
+"""Number of standard errors above which such a change is significant. Without this condition the
+random fluctuations of a few large particles would count as a drift."""
 
 
 class SteadyStart(NamedTuple):
@@ -53,7 +55,7 @@ class BatchMeans(NamedTuple):
 
 
 class Change(NamedTuple):
-    """Change of a rate over a part of its record, as a share of its mean there."""
+    """Change of a rate over a part of its record, as a share of the mean over that part."""
 
     change: float
     stderr: float
@@ -62,24 +64,25 @@ class Change(NamedTuple):
 def steady_part(
     time: np.ndarray, worn: np.ndarray, present: np.ndarray, window: float
 ) -> SteadyStart:
-    """Return where both the wear and the particles present are steady.
+    """Return the time from which both the wear and the particles present are steady.
 
-    The transient of the wear ends by `steady_start`. If the particles present still change from
-    there on, the part begins where their own transient ends. Neither may change in it by more
-    than `LARGEST_CHANGE`, unless by chance. What is not steady by a truncation in the first half
-    of the record may be by a later one that leaves the window.
+    `steady_start` gives the end of the transient of the wear. If the number of particles present
+    still changes after it, the steady part begins at the end of their own transient. In the
+    steady part neither may change by more than `LARGEST_CHANGE`, unless the change is not
+    significant. If no truncation in the first half of the record gives a steady part, later
+    ones that leave at least ``window`` are tried.
 
     Parameters
     ----------
     time, worn, present : ndarray, shape (n,)
-        Sample times, s, the cumulative wear and the particles present.
+        Sample times, s, the cumulative wear and the number of particles present.
     window : float
-        Length of record that suffices after the transient, s.
+        Shortest length of record needed after the transient, s.
 
     Returns
     -------
     SteadyStart
-        ``settled`` is False if either still drifts; ``time`` is then at least the half of the
+        ``settled`` is False if either still drifts; ``time`` is then in the second half of the
         record.
     """
     summed = integral(time, present)
@@ -96,7 +99,7 @@ def steady_part(
 
 
 def _part(time, worn, summed, latest) -> SteadyStart:
-    """The steady part by truncations up to ``latest``, see `steady_start`."""
+    """The steady part for truncations up to ``latest``, see `steady_start`."""
     start, settled = steady_start(time, worn, latest)
     if settled and _changes(time, summed, start):
         bed = steady_start(time, summed, latest)
@@ -110,22 +113,22 @@ def steady_start(
 ) -> SteadyStart:
     """Return the end of the transient by the marginal standard error rule (MSER).
 
-    The truncation that minimises the standard error of the mean of what remains (White 1997,
-    Simulation 69:323); never before the first wear.
+    The truncation minimises the standard error of the mean of the remaining increments (White
+    1997, Simulation 69:323). It is never before the first wear.
 
     Parameters
     ----------
     time, cumulative : ndarray, shape (n,)
         Sample times, s, and the cumulative series.
     latest : float, optional
-        Where the search ends, s, at the half of the record at least, which is the default.
+        End of the search, s. The default, and the smallest value, is half of the record.
 
     Returns
     -------
     SteadyStart
-        ``time`` in s; ``settled`` is False if nothing is worn yet or the minimum lies at the
-        end of the search, that is, the record still drifts. ``time`` is then that end, or the
-        half of the record if it is that short.
+        ``time`` in s. ``settled`` is False if there is no wear yet, or if the minimum is at the
+        end of the search, that is, if the record still drifts. ``time`` is then that end, or
+        half of the record if the record is too short.
     """
     time = np.asarray(time, dtype=float)
     cumulative = np.asarray(cumulative, dtype=float)
@@ -147,8 +150,8 @@ def steady_start(
 
 
 def _truncation(increments: np.ndarray, last: int) -> int:
-    """How many of the first increments, at most ``last``, to drop by the MSER."""
-    # From the last one, so that rounding does not choose within a constant end.
+    """Number of first increments, at most ``last``, to drop by the MSER."""
+    # Relative to the last one, so that rounding does not decide within a constant end.
     increments = increments - increments[-1]
     dropped = np.arange(last + 1)
     left = increments.size - dropped
@@ -160,31 +163,31 @@ def _truncation(increments: np.ndarray, last: int) -> int:
 
 
 def integral(time: np.ndarray, level: np.ndarray) -> np.ndarray:
-    """Cumulative integral of a level by the trapezoidal rule, 0 at first, shape of ``time``."""
+    """Cumulative integral of a level by the trapezoidal rule, from 0 on, shape of ``time``."""
     level = np.asarray(level, dtype=float)
     pieces = 0.5 * (level[1:] + level[:-1]) * np.diff(time)
     return np.concatenate([[0.0], np.cumsum(pieces)])
 
 
 def change(time: np.ndarray, cumulative: np.ndarray, start: float, batches: int = 20) -> Change:
-    """Return by how much a rate changes from ``start`` to the end, by a line through batch means.
+    """Return the change of a rate from ``start`` to the end, from a line through batch means.
 
     Parameters
     ----------
     time, cumulative : ndarray, shape (n,)
         Sample times, s, and the cumulative series, or the `integral` of a level.
     start : float
-        Where the part begins, s.
+        Start of the part, s.
     batches : int
         Number of equal batches, at least 4.
 
     Returns
     -------
     Change
-        Slope times length of the part, over the mean, by least squares. Its standard error comes
-        from the residuals of a parabola, so that a change which grows is no scatter, and is
-        enlarged for a positive lag-1 correlation of these as in `batch_means`. Both nan with
-        fewer samples than batches, or if the mean is 0.
+        Least-squares slope times the length of the part, divided by the mean. The standard error
+        is computed from the residuals of a parabola, so that a change which accelerates does not
+        count as scatter. It is enlarged if the residuals have a positive lag-1 correlation, as in
+        `batch_means`. Both are nan if there are fewer samples than batches or the mean is 0.
     """
     means = _batches(np.asarray(time, dtype=float), cumulative, start, batches)
     if means is None or means.mean() == 0.0:
@@ -201,16 +204,16 @@ def change(time: np.ndarray, cumulative: np.ndarray, start: float, batches: int 
 
 
 def _changes(time: np.ndarray, cumulative: np.ndarray, start: float) -> bool:
-    """Whether a rate grows or falls from ``start`` on; so too if the part is too short to tell."""
+    """Whether a rate changes significantly from ``start`` on; True if the part is too short."""
     if cumulative[-1] == np.interp(start, time, cumulative):
-        # Nothing throughout.
+        # The rate is zero throughout.
         return False
     found = change(time, cumulative, start)
     return not abs(found.change) <= max(LARGEST_CHANGE, SIGNIFICANT * found.stderr)
 
 
 def _batches(time: np.ndarray, cumulative: np.ndarray, start: float, number: int):
-    """Mean rate in each of equal batches from ``start`` on; None if samples are too few."""
+    """Mean rate in each of the equal batches from ``start`` on; None for too few samples."""
     span = time[-1] - start
     if not span > 0 or np.count_nonzero(time > start) < number:
         return None
@@ -225,7 +228,7 @@ def _lag1(deviation: np.ndarray) -> float:
 
 
 def _enlarged(lag1: float, batches: int) -> float:
-    """Factor of a standard error, above 1 where the lag-1 correlation of batches is believed."""
+    """Factor of a standard error; above 1 if the lag-1 correlation of batches is significant."""
     if lag1 > LAG1_QUANTILE / np.sqrt(batches):
         return float(np.sqrt((1.0 + lag1) / (1.0 - lag1)))
     return 1.0
@@ -234,22 +237,26 @@ def _enlarged(lag1: float, batches: int) -> float:
 def batch_means(
     time: np.ndarray, cumulative: np.ndarray, start: float, minimum: int = 20
 ) -> BatchMeans:
-    """Return the rate of a cumulative series from ``start`` on, by equal batches of increments.
+    """Return the rate of a cumulative series from ``start`` on, by the method of batch means.
+
+    The increments are divided into equal batches (Law 2015, Simulation Modeling and Analysis,
+    chapter 9).
 
     Parameters
     ----------
     time, cumulative : ndarray, shape (n,)
-        Sample times, s, and the cumulative series; the values at batch edges are interpolated.
+        Sample times, s, and the cumulative series; values at the batch edges are interpolated.
     start : float
-        Where the steady state begins, s.
+        Start of the steady state, s.
     minimum : int
         Number of batches.
 
     Returns
     -------
     BatchMeans
-        ``stderr`` is s / sqrt(batches), enlarged by sqrt((1 + r) / (1 - r)) where the lag-1
-        correlation r of the batches is significantly positive. All nan with fewer samples
+        ``stderr`` is s / sqrt(batches), with the standard deviation s of the batch means. It is
+        enlarged by sqrt((1 + r) / (1 - r)) if the lag-1 correlation r of the batches is
+        significantly positive. All are nan, and ``batches`` is 0, if there are fewer samples
         than batches.
     """
     if minimum < 2:

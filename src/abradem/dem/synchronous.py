@@ -1,4 +1,4 @@
-"""Conventional stepping: every live particle, every step. The reference of all others."""
+"""Conventional stepping of every particle in every step; the reference for other steppings."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from abradem.dem.state import (
 from abradem.dem.vectors import dot, scaled
 
 LONGEST_PIECE = 1024
-"""So many steps at most are taken before gaps that removed particles left are closed."""
+"""Largest number of steps before the gaps of removed particles are closed."""
 
 
 @kernel
 def advance(problem, schedule, state, last_step):
-    """Advance to lattice step ``last_step``; return how that ended, at a whole step.
+    """Advance to lattice step ``last_step``; return the outcome, always after a whole step.
 
-    Calling it in pieces gives the same bits as calling it once, but for where among the particles
-    the gaps of removed ones lie.
+    Several calls give bitwise the same result as a single call, except for the positions of the
+    gaps of removed particles in the arrays.
     """
     state = borrowed_state(state)
     tally = state.tally[0]
@@ -55,17 +55,17 @@ def advance(problem, schedule, state, last_step):
 
 @kernel
 def _steps(problem, state, last_step):
-    """Advance all particles to ``last_step``, one lattice step at least.
+    """Advance all particles to ``last_step``, at least by one lattice step.
 
-    A step ends in the same walk over the particles in which the next begins. Contacts with the
-    plate have a walk of their own: short ones overlap better in the processor.
+    One loop over the particles finishes a step and begins the next. Contacts with the plate have
+    a separate loop, because the processor overlaps the iterations of short loops better.
     """
     state = borrowed_state(state)
     tally, particles, facet_wear = state.tally[0], state.particles, state.facet_wear
     outcome = DONE
     finishing, moving = False, True
     while True:
-        # From 0 on, so that they are numbers where nothing moves.
+        # Start values of 0, so that they are finite if nothing moves.
         least_x = least_y = least_z = most_x = most_y = most_z = 0.0
         for i in range(tally.live):
             particle = particles[i]
@@ -89,7 +89,7 @@ def _steps(problem, state, last_step):
             near = abs(height) < problem.radius or particle.plate_stiffness != 0.0
             if near and particle.motion != GONE:
                 touch_plate(problem, particle, tally, facet_wear)
-        # Two particles have come nearer by no more than their moves differ, so that a jet that
+        # Two particles approach at most by the difference of their displacements, so a jet that
         # falls on particles at rest counts once, not twice.
         spread2 = (most_x - least_x) ** 2 + (most_y - least_y) ** 2 + (most_z - least_z) ** 2
         tally.drift += math.sqrt(spread2)
@@ -104,7 +104,7 @@ def _steps(problem, state, last_step):
 
 @kernel(inline=True)
 def _touch_pairs(problem, state):
-    """Contacts between particles, from the pair list."""
+    """Contacts between the particles of the pair list."""
     tally, particles, pairs = state.tally[0], state.particles, state.pairs
     contact2 = 4.0 * problem.radius * problem.radius
     for p in range(tally.pairs):

@@ -1,8 +1,8 @@
-"""Vectors of three numbers as tuples, products and sums fused.
+"""Vectors of three numbers as tuples, with fused multiply-add.
 
-A product and a sum that are fused are rounded once and are one instruction of the processor in
-place of two. That is asked for by name: were the compiler free to fuse, it would do so here and
-not there, and the steppings, which share these formulas, would differ in their last bits.
+A fused multiply-add is rounded once and is one processor instruction instead of two. It is called
+explicitly: a compiler that is free to fuse operations would do so in some places only, and the
+steppings, which share these formulas, would differ in their last bits.
 """
 
 from __future__ import annotations
@@ -53,6 +53,6 @@ def scaled(a, scale):
 
 @kernel(inline=True)
 def split(v, n):
-    """Return the part of v along the unit vector n and the vector that remains."""
+    """Return the component of v along the unit vector n, and v without that component."""
     along = dot(v, n)
     return along, plus(v, -along, n)

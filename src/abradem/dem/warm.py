@@ -1,4 +1,4 @@
-"""Compile the engine's kernels, so that no job of a study has to: python -m abradem.dem.warm."""
+"""Compile the kernels before the jobs of a study start: python -m abradem.dem.warm."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ CASE = Case(6e9, 0.25, 2500, 77e9, 0.3, 7800, 0.5, 0.05, 0.45, 1e-9, 45.0, 0.0, 
 
 @cache
 def load(stepping: str) -> None:
-    """Run a moment of a stepping, once in a process.
+    """Run a short simulation with a stepping, once per process.
 
-    Its kernels take half a second to load, or half a minute to compile.
+    Loading its kernels takes half a second, compiling them half a minute.
     """
     simulate(CASE, Setup(duration=0.02, stepping=stepping))
 
 
 def warm() -> None:
-    """Run a moment of every stepping and one impact."""
+    """Run a short simulation with every stepping, and one impact."""
     for stepping in STEPPINGS:
         load(stepping)
     single_impact(CASE.particle, 0.01, CASE.plate, CASE.interaction, 3.9, 30.0)

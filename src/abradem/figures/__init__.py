@@ -1,4 +1,5 @@
-"""Figures fit to print: tables in, a matplotlib Figure out, nothing computed but the layout.
+"""Publication-quality figures: functions that take result tables and return matplotlib Figures.
 
-One function per figure; `style` holds what they share, `style.save` writes them.
+`catalogue` lists the figures of a study, `style` defines their common appearance and saves them,
+and `render` draws particles and plate. The other modules hold the functions that draw.
 """

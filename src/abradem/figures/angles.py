@@ -1,4 +1,4 @@
-"""Wear depth against time for angles of the plate and of the factory."""
+"""Wear depth against time for several plate angles and factory angles."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ORDER = ("plate_angle", "factory_angle")
 def angles_figure(
     curves: pd.DataFrame, rates: pd.DataFrame, case: Mapping[str, float], duration: float
 ) -> Figure:
-    """Depth against time, and its steady slope, for plate angles and for factory angles.
+    """Wear depth against time and its steady slope, for plate angles and for factory angles.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def angles_figure(
     Returns
     -------
     matplotlib.figure.Figure
-        Above the curves, below the slopes with standard errors.
+        Top: curves; bottom: slopes with standard errors.
     """
     with style.style():
         figure, axes = style.panels(4, 2, 2.1)
@@ -47,7 +47,7 @@ def angles_figure(
             _rates_panel(
                 axes[2 + column], 2 + column, rates[rates["varied"] == varied], varied, rate_power
             )
-        # Curves and slopes compare across the panels of a row.
+        # The panels of a row share the vertical axis.
         for row in (axes[:2], axes[2:]):
             top = max(panel.get_ylim()[1] for panel in row)
             for panel in row:
@@ -57,11 +57,11 @@ def angles_figure(
         style.caption(
             figure,
             f"wear measure: total; {symbol['particle_radius']} = {radius:g} mm, "
-            f"{symbol['particle_velocity_y']} = {style.number(speed)} m/s, "
+            f"{symbol['particle_velocity_y']} = {style.number(speed)} m/s; unless varied, "
             f"{symbol['plate_angle']} = {style.number(case['plate_angle'])}° and "
-            f"{symbol['factory_angle']} = {style.number(case['factory_angle'])}° where they are "
-            "not varied, all other quantities in the middle of their ranges; "
-            f"{duration:g} s each; bars: standard error of the steady slope",
+            f"{symbol['factory_angle']} = {style.number(case['factory_angle'])}°; "
+            "all other quantities in the middle of their ranges; "
+            f"{duration:g} s simulated each; bars: standard error of the steady slope",
         )
     return figure
 
@@ -74,7 +74,7 @@ def _curves_panel(panel, index, curves, varied, power) -> None:
     for index_of_angle, (shade, angle) in enumerate(zip(shades, angles, strict=True)):
         rows = curves[curves["angle"] == angle]
         depth = rows["wear_depth"].to_numpy() / 10.0**power
-        # Every other curve is dashed: where two coincide, both show.
+        # Every other curve is dashed, so that both of two coinciding curves are visible.
         panel.plot(
             rows["time"], depth, color=shade, lw=1.2, ls=("-", "--")[index_of_angle % 2],
             label=f"{style.number(angle)}°",
@@ -84,7 +84,7 @@ def _curves_panel(panel, index, curves, varied, power) -> None:
     panel.set_ylim(0.0, 1.08 * max(max(ends), 1e-300))
     panel.set_xlabel("Time (s)")
     panel.set_ylabel(f"Mean depth ({style.scaled_unit(power, 'mm')})")
-    # Listed in the order of the curves' ends, from above.
+    # Legend entries in the vertical order of the ends of the curves.
     handles, labels = panel.get_legend_handles_labels()
     order = np.argsort(ends)[::-1]
     panel.legend(

@@ -1,4 +1,4 @@
-"""The networks that the genetic search found: features in, layers, wear out."""
+"""Architecture of the networks found by the genetic search."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from abradem.quantities import TARGET
 from abradem.words.labels import LABELS, PROTOCOLS
 
 _MOST_DRAWN = 11
-"""Neurons drawn of the largest layer."""
+"""Number of neurons drawn for the largest layer."""
 
 
 def draw(summaries: Iterable[Mapping]) -> Figure:
-    """`architecture_figure` of the summaries of both protocols."""
+    """Draw `architecture_figure` from the summaries of both protocols."""
     return architecture_figure({summary["protocol"]: summary for summary in summaries})
 
 
 def architecture_figure(summaries: Mapping[str, Mapping]) -> Figure:
-    """Features, hidden layers and output of the found network under each protocol.
+    """Features, hidden layers and output of the network found under each protocol.
 
     Parameters
     ----------
@@ -35,8 +35,7 @@ def architecture_figure(summaries: Mapping[str, Mapping]) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        A layer shows as many neurons as its share of the largest allows; the number above it
-        is the true one.
+        Only some neurons of each layer are drawn; the number above a layer is the actual one.
     """
     protocols = [name for name in (AS_PUBLISHED, LEAKAGE_FREE) if name in summaries]
     with style.style():
@@ -49,8 +48,8 @@ def architecture_figure(summaries: Mapping[str, Mapping]) -> Figure:
             )
         style.caption(
             figure,
-            "fully connected, rectified linear units; the numbers are the neurons of a layer, of "
-            "which a part is drawn, and a part of their connections",
+            "fully connected layers of rectified linear units; numbers: neurons in each layer; "
+            "only some of the neurons and connections are drawn",
         )
     return figure
 
@@ -91,5 +90,5 @@ def _network(panel, summary, colour) -> None:
 
 
 def _spread(count: int) -> float:
-    """Half the height of a column of neurons: few stand closer together."""
+    """Half the height of a column of neurons; small for few neurons."""
     return 0.0 if count == 1 else min(1.0, 0.35 + 0.06 * count)

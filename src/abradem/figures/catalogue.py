@@ -1,7 +1,7 @@
-"""The figures of a study: the one place for the group, label, caption and protocol of each.
+"""Catalogue of the figures of a study: group, label, caption, protocol and drawing function.
 
-The report, the gallery and the rules of the workflow read this table. ``draw`` names the function
-of `abradem.figures` that makes the figure; its parameters are the inputs of the figure's rule.
+The report, the gallery and the workflow rules use this table. The parameters of a drawing function
+are the inputs and options of the workflow rule of the figure.
 """
 
 from __future__ import annotations
@@ -10,24 +10,24 @@ from typing import NamedTuple
 
 BOTH = "as published and leakage-free"
 LEAKAGE_FREE = "leakage-free"
-ALL_ROWS = "all rows, a description"
+ALL_ROWS = "all rows, descriptive"
 
 
 class Entry(NamedTuple):
-    """What the report and the gallery say of a figure, and what draws it.
+    """A figure of the catalogue.
 
     Attributes
     ----------
     group : str
-        Heading under which it is shown.
+        Heading under which the figure is shown.
     label : str
-        What it is, in a few words.
+        Short name.
     draw : str
-        ``module:function`` within `abradem.figures`.
+        Drawing function, ``module:function`` within `abradem.figures`.
     caption : str
-        What it shows, as reStructuredText.
+        Caption in reStructuredText.
     protocol : str
-        Protocol of the scores that it shows, "" where it shows none.
+        Protocol of the scores shown; "" if there are none.
     """
 
     group: str
@@ -38,12 +38,12 @@ class Entry(NamedTuple):
 
     @property
     def module(self) -> str:
-        """Module that draws it."""
+        """Full name of the module of the drawing function."""
         return f"abradem.figures.{self.draw.partition(':')[0]}"
 
     @property
     def full_caption(self) -> str:
-        """The caption, with the protocol where there is one."""
+        """The caption, followed by the protocol if there is one."""
         return f"{self.caption} Protocol: {self.protocol}." if self.protocol else self.caption
 
 
@@ -64,14 +64,14 @@ FIGURES: dict[str, Entry] = {
         SETUP,
         "generation of the data",
         "flow:draw_generation",
-        "How the data are generated, from the rules that the workflow runs, and how each "
-        "simulation is set up, with the numbers of this study.",
+        "Generation of the data by the rules of the workflow, and set-up of each simulation, with "
+        "the numbers of this study.",
     ),
     "rules": Entry(
         SETUP,
         "rules of the workflow",
         "flow:workflow_figure",
-        "All rules that the study runs, as Snakemake states them, and what each takes from which.",
+        "All workflow rules of the study, as reported by Snakemake, and their dependencies.",
     ),
     "series": Entry(
         SIMULATIONS,
@@ -91,9 +91,9 @@ FIGURES: dict[str, Entry] = {
         SIMULATIONS,
         "quality of the wear rates",
         "quality:draw",
-        "Relative standard error of the plate-mean wear depth rate, and R² of the cumulative wear "
-        "against a straight line. R² of a cumulative series is high whatever happens: it "
-        "describes, the standard error judges.",
+        "Relative standard error of the plate-mean wear depth rate, and R² of a straight line "
+        "fitted to the cumulative wear. R² of a cumulative series is always high and only "
+        "descriptive; the standard error measures the quality.",
     ),
     "maps": Entry(
         SIMULATIONS,
@@ -107,7 +107,7 @@ FIGURES: dict[str, Entry] = {
         "wear maps over the parameter space",
         "gallery:draw",
         "Wear maps over the parameter space: for each cell of plate angle and vertical particle "
-        "velocity the case nearest to its middle. Each map has its own scale.",
+        "velocity, the case nearest to its centre. Each map has its own colour scale.",
     ),
     "coefficients": Entry(
         LINEAR,
@@ -121,8 +121,8 @@ FIGURES: dict[str, Entry] = {
         LINEAR,
         "predicted against simulated wear, linear regression",
         "linear:predicted_figure",
-        "Wear depth rate predicted by the linear regression against the simulated one, held-out "
-        "cases of the repeated splits.",
+        "Wear depth rate predicted by the linear regression against the simulated one, for "
+        "held-out cases of the repeated splits.",
         LEAKAGE_FREE,
     ),
     "residuals": Entry(
@@ -130,9 +130,9 @@ FIGURES: dict[str, Entry] = {
         "residuals of the linear regression",
         "residuals:residuals_figure",
         "Residuals of the linear regression: residuals against fitted values with the "
-        "Breusch-Pagan test (a small p: the scatter depends on the features), their quantiles, "
-        "and variance inflation factors (how much dependence among features widens the interval "
-        "of a coefficient).",
+        "Breusch-Pagan test (for a small p the variance of the residuals depends on the "
+        "features), quantiles of the residuals, and variance inflation factors (how much "
+        "dependence among features widens the interval of a coefficient).",
         ALL_ROWS,
     ),
     "penalised": Entry(
@@ -140,16 +140,16 @@ FIGURES: dict[str, Entry] = {
         "lasso and ridge",
         "penalised:penalised_figure",
         "Lasso and ridge: paths of the weights over the penalty, cross-validated R², and the "
-        "weights under both protocols. Which features the lasso keeps, and in which share of the "
-        "leakage-free splits.",
+        "weights under both protocols, with the share of the leakage-free splits in which the "
+        "lasso keeps a feature.",
         BOTH,
     ),
     "selection": Entry(
         LINEAR,
         "selection of features",
         "selection:selection_figure",
-        "The features that the networks get, chosen by weight and by loading under both "
-        "protocols, beside the paper's list of 12.",
+        "Features of the networks, chosen by weight and by loading under both protocols, compared "
+        "with the paper's list of 12.",
         BOTH,
     ),
     "correlations": Entry(
@@ -157,7 +157,7 @@ FIGURES: dict[str, Entry] = {
         "correlations",
         "pca:draw_correlations",
         "Pearson correlations among X1 to X10 and among X11 to X21 (the wear), all cases. Derived "
-        "features follow those they are functions of.",
+        "features are correlated with the features they are functions of.",
         ALL_ROWS,
     ),
     "loadings": Entry(
@@ -165,8 +165,8 @@ FIGURES: dict[str, Entry] = {
         "principal components",
         "pca:loadings_figure",
         "Principal components of the 20 features, scaled to 0...1 over all rows (as published) "
-        "and standardised (leakage-free): shares of the variance and loadings, with the "
-        "stiffnesses that load together.",
+        "and standardised (leakage-free): shares of the variance, loadings, and the stiffnesses "
+        "grouped by the same component.",
         BOTH,
     ),
     "components": Entry(
@@ -182,17 +182,17 @@ FIGURES: dict[str, Entry] = {
         TREES,
         "decision tree",
         "trees:tree_figure",
-        "The decision tree of all cases: pruned by cost and complexity, the penalty "
-        "cross-validated.",
+        "The decision tree of all cases after cost-complexity pruning with a cross-validated "
+        "penalty.",
         LEAKAGE_FREE,
     ),
     "tree_depth": Entry(
         TREES,
         "depth of the decision tree",
         "trees:tree_curve_figure",
-        "R² of the decision tree against its largest depth on training and test rows, both "
+        "R² of the decision tree on training and test rows against its maximum depth, under both "
         "protocols, and the importance of features for the leakage-free tree and forest. As "
-        "published the features are unscaled, and the library never splits on the wear constant.",
+        "published the features are unscaled, and scikit-learn never splits on the wear constant.",
         BOTH,
     ),
     "ga_ann": Entry(
@@ -200,49 +200,49 @@ FIGURES: dict[str, Entry] = {
         "genetic search",
         "ga_ann:draw",
         "The genetic search for a network: fitness and size over the generations under both "
-        "protocols, the descent of the best network, and the scores of the same network trained "
-        "again. As published the fitness is read from the test rows, so that it flatters; "
-        "leakage-free it is read from validation rows.",
+        "protocols, the lineage of the best network, and the scores of the same network trained "
+        "again. As published the fitness is computed on the test rows and is therefore "
+        "optimistic; leakage-free it is computed on validation rows.",
         BOTH,
     ),
     "architecture": Entry(
         NETWORKS,
-        "networks that the search found",
+        "networks found by the search",
         "architecture:draw",
-        "The networks that the genetic search found under both protocols: features, neurons of "
-        "each hidden layer, wear depth rate.",
+        "The networks found by the genetic search under both protocols: features, neurons of each "
+        "hidden layer, wear depth rate.",
         BOTH,
     ),
     "distributions": Entry(
         NETWORKS,
         "distributions of wear and errors",
         "distributions:draw",
-        "Distribution of the standardised wear depth rate, of the predictions of the network that "
-        "the search found on test rows under both protocols, and of their errors.",
+        "Distributions of the standardised wear depth rate, of the predictions on test rows by the "
+        "network found under each protocol, and of their errors.",
         BOTH,
     ),
     "models": Entry(
         PHYSICAL,
         "models on dimensionless groups",
         "physical:models_figure",
-        "Models on dimensionless groups on one page: R² on held-out cases beside the best that "
-        "any model could reach, coverage of the intervals, R² against the number of training "
-        "cases, Sobol indices, and the power law.",
+        "Models on dimensionless groups: R² on held-out cases compared with the best that any "
+        "model could reach, coverage of the intervals, R² against the number of training cases, "
+        "Sobol indices, and the power law.",
         LEAKAGE_FREE,
     ),
     "sensitivity": Entry(
         PHYSICAL,
         "sensitivity",
         "sensitivity:sensitivity_figure",
-        "Which quantities decide the wear: Sobol indices, fall of R² when a quantity is shuffled, "
-        "and the predicted wear with one quantity set.",
+        "Sensitivity of the wear to the sampled quantities: Sobol indices, fall of R² when a "
+        "quantity is shuffled, and partial dependence of the predicted wear.",
         LEAKAGE_FREE,
     ),
     "reach": Entry(
         PHYSICAL,
-        "extrapolation and every target",
+        "extrapolation and all wear rates",
         "reach:reach_figure",
-        "Models beyond the ranges that they learned from, and the R² of every wear measure and "
+        "Models beyond the ranges of their training data, and R² for every wear measure and "
         "statistic.",
         LEAKAGE_FREE,
     ),
@@ -250,37 +250,38 @@ FIGURES: dict[str, Entry] = {
         ALL_MODELS,
         "all models",
         "comparison:comparison_figure",
-        "R² of all models on held-out cases: printed in the paper, by its steps on this data set "
-        "(as published, optimistic), and leakage-free with intervals.",
+        "R² of all models on held-out cases: printed in the paper, reproduced on this data set (as "
+        "published, optimistic), and leakage-free with intervals.",
         BOTH,
     ),
     "predictions": Entry(
         ALL_MODELS,
         "predictions of all models",
         "comparison:predictions_figure",
-        "Predicted against simulated wear of the test rows for each model, both protocols.",
+        "Predicted against simulated wear of the test rows for each model under both protocols.",
         BOTH,
     ),
     "verification": Entry(
         VERIFICATION,
         "verification",
         "verdicts:draw",
-        "All checks of the last ``make verify``: which share of its tolerance each uses.",
+        "All checks of the last run of ``make verify``, with the share of the tolerance that each "
+        "uses.",
     ),
     "speed": Entry(
         VERIFICATION,
         "performance of the engine",
         "speed:cost_figure",
-        "Cost of a simulation: seconds for each simulated second against the particles present, "
-        "by stepping and by other codes where they are installed, from the last run of "
-        "``benchmarks/cost.py``.",
+        "Cost of a simulation: computing time per simulated second against the number of "
+        "particles present, for both stepping methods and for other codes if they are installed, "
+        "from the last run of ``benchmarks/cost.py``.",
     ),
 }
-"""Figures in the order in which a text would show them."""
+"""The figures by name, in the order of the report."""
 
 
 def groups() -> dict[str, dict[str, Entry]]:
-    """Figures by group, in the order of `FIGURES`."""
+    """The figures by group and name, in the order of `FIGURES`."""
     found: dict[str, dict[str, Entry]] = {}
     for name, entry in FIGURES.items():
         found.setdefault(entry.group, {})[name] = entry

@@ -1,4 +1,4 @@
-"""All models and both protocols side by side."""
+"""Comparison of all models under both protocols."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ SPLITS, FIXED = "repeated splits", "fixed split"
 
 
 def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, table: str) -> Figure:
-    """R2 of every model: printed, as published here, leakage-free here with intervals.
+    """R2 of every model: printed in the paper, reproduced as published, and leakage-free.
 
     Parameters
     ----------
     comparison, beside_paper : pandas.DataFrame
         From `abradem.learning.comparison`.
     table : str
-        Name of the table learned from.
+        Name of the data set.
     """
     models = list(beside_paper["model"])
     with style.style():
@@ -71,12 +71,12 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
         figure.legend(handles=_handles(), loc="outside upper center", ncols=4)
         style.caption(
             figure,
-            f"table: {table}. As published: one split, choices made on all or on the test rows "
-            "(optimistic; the wrong target explains the last component, not the wear); interval: "
-            "bootstrap of its test rows. Leakage-free: median and central share of the repeated splits, "
-            "and, on the first of these splits, the same rows for all models, bootstrap of the "
-            f"test rows. Arrowheads: runs on below {style.minus(f'{LOWEST:g}')}; without a mark the "
-            "score too",
+            f"data set: {table}. As published: one split, choices made on all rows or on the test "
+            "rows (optimistic; the wrong target is the last component, not the wear); interval: "
+            "bootstrap of the test rows. Leakage-free: median and central share of the repeated "
+            "splits, and a bootstrap of the test rows of the first split, which are the same for "
+            f"all models. Arrowhead: the interval extends below {style.minus(f'{LOWEST:g}')}; "
+            "without a marker the score does so too",
         )
     return figure
 
@@ -84,15 +84,17 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
 def _handles() -> list:
     return [
         Line2D([], [], marker="|", ms=8.0, mew=1.6, color=style.BLACK, ls="", label="printed"),
-        Line2D([], [], marker="o", ms=4.0, color=style.PROTOCOL_COLOURS[AS_PUBLISHED], label="as published here"),
-        Line2D([], [], marker="s", ms=4.0, color=style.PROTOCOL_COLOURS[LEAKAGE_FREE], label="leakage-free, repeated splits"),
+        Line2D([], [], marker="o", ms=4.0, color=style.PROTOCOL_COLOURS[AS_PUBLISHED],
+               label="as published, reproduced"),
+        Line2D([], [], marker="s", ms=4.0, color=style.PROTOCOL_COLOURS[LEAKAGE_FREE],
+               label="leakage-free, repeated splits"),
         Line2D([], [], marker="^", ms=4.0, color=style.PROTOCOL_COLOURS[LEAKAGE_FREE], alpha=0.45,
                label="leakage-free, first split"),
     ]  # fmt: skip
 
 
 def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> Figure:
-    """Predicted against actual wear on the test rows of each model's fixed split.
+    """Predicted against simulated wear on the test rows of a fixed split, for each model.
 
     Parameters
     ----------
@@ -144,18 +146,18 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
             panel.set_ylabel(f"Predicted ({label})", fontsize=7.0)
         figure.legend(
             handles=[
-                Line2D([], [], marker="x", ls="", ms=3.5, color=style.PROTOCOL_COLOURS[AS_PUBLISHED],
-                       label="protocol: as published"),
-                Line2D([], [], marker="o", ls="", ms=3.0, color=style.PROTOCOL_COLOURS[LEAKAGE_FREE],
-                       label="protocol: leakage-free"),
+                Line2D([], [], marker="x", ls="", ms=3.5, label="protocol: as published",
+                       color=style.PROTOCOL_COLOURS[AS_PUBLISHED]),
+                Line2D([], [], marker="o", ls="", ms=3.0, label="protocol: leakage-free",
+                       color=style.PROTOCOL_COLOURS[LEAKAGE_FREE]),
             ],
             loc="outside upper center",
             ncols=2,
         )  # fmt: skip
         style.caption(
             figure,
-            "wear depth rate of the test rows of one split: as published its own (30 % of the rows "
-            "for networks, 20 % else), leakage-free the first split, the same rows for all models"
-            + ("; predictions beyond the frame stand on its edge" if beyond else ""),
+            "wear depth rate of the test rows of one split; as published: 30 % of the rows for "
+            "networks, 20 % for other models; leakage-free: the first split, the same rows for all "
+            "models" + ("; predictions beyond a panel are drawn at its edge" if beyond else ""),
         )
     return figure

@@ -16,19 +16,19 @@ _BINS = 24
 
 
 def draw(dataset: pd.DataFrame, predictions: pd.DataFrame, target: str, model: str) -> Figure:
-    """`distributions_figure` of a model's predictions, see `standardised`."""
+    """Draw `distributions_figure` for the predictions of a model, see `standardised`."""
     return distributions_figure(standardised(dataset, predictions, target, model), model)
 
 
 def distributions_figure(table: pd.DataFrame, model: str) -> Figure:
-    """Wear of all rows, wear and predictions of the test rows by protocol, and the errors.
+    """Histograms of the wear of all rows, of predictions on the test rows, and of their errors.
 
     Parameters
     ----------
     table : pandas.DataFrame
         From `abradem.figures.distributions.standardised`.
     model : str
-        Named below the panels.
+        Name of the model, shown in the caption.
     """
     with style.style():
         figure, axes = style.panels(4, 2, 1.85)
@@ -63,7 +63,7 @@ def distributions_figure(table: pd.DataFrame, model: str) -> Figure:
         style.caption(
             figure,
             f"model: {MODELS.get(model, model)}; test rows of one split, which differ between the "
-            "protocols; standardised by mean and standard deviation of all rows",
+            "protocols; standardised with the mean and standard deviation of all rows",
         )
     return figure
 
@@ -102,15 +102,16 @@ def _errors(panel, table, shown) -> None:
 
 
 ALL_ROWS = "all rows"
+"""Value of the column ``protocol`` for the rows of the data set."""
 
 
 def standardised(dataset: pd.DataFrame, predictions: pd.DataFrame, target: str, model: str):
-    """Wear of all rows, and predictions of a model on the test rows of its first split.
+    """Standardised wear of all rows, and predictions of a model on the test rows of a split.
 
     Parameters
     ----------
     dataset : pandas.DataFrame
-        Its target gives mean and standard deviation, which standardise everything here.
+        Mean and standard deviation of its target standardise all values.
     predictions : pandas.DataFrame
         model, protocol, case_id, repeat, split, actual, predicted.
     target : str
@@ -120,8 +121,8 @@ def standardised(dataset: pd.DataFrame, predictions: pd.DataFrame, target: str, 
     Returns
     -------
     pandas.DataFrame
-        protocol (`ALL_ROWS` for the rows of ``dataset``, whose predictions are nan), case_id
-        and the columns of `COLUMNS`.
+        protocol (`ALL_ROWS` for the rows of ``dataset``, whose predictions are nan), case_id,
+        actual_standardised, predicted_standardised, error_standardised (dimensionless).
     """
     wear = dataset[target]
     mean, spread = float(wear.mean()), float(wear.std(ddof=0)) or 1.0

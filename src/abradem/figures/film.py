@@ -1,4 +1,4 @@
-"""Frames of the film: plates at several angles side by side, particles falling, wear growing."""
+"""Frames of the film: particles and wear on plates at several angles, side by side."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from abradem.figures.setup import factory_patch, particle_tints, worn_plate
 _EYE = np.array([-0.25, 0.42, 0.87]) / np.linalg.norm([-0.25, 0.42, 0.87])
 _DISTANCE = 5.0
 _ASPECT = 1.12
-"""Height of a plate's picture over its width."""
+"""Height of the picture of a plate divided by its width."""
 
 _HEAD, _FOOT = 0.085, 0.155
-"""Room above the pictures for the angle and below for the scale, over a picture's width."""
+"""Space above the pictures for the angle and below for the scale, relative to their width."""
 
 FULL_SHARE = 0.995
-"""Share of the facets' largest depths at which the shared scale ends: one facet hit twice does
-not leave all others pale."""
+"""Quantile of the final depths at which the shared colour scale ends, so that single extreme facets
+do not determine it."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Shot:
 
 
 def frames(shots: Sequence[Shot], setup: Setup, width: int) -> Iterator[np.ndarray]:
-    """Pictures of all times that the shots share, in order.
+    """Yield the frames for all times that the shots have in common, in order.
 
     Parameters
     ----------
@@ -62,12 +62,12 @@ def frames(shots: Sequence[Shot], setup: Setup, width: int) -> Iterator[np.ndarr
         From left to right.
     setup : Setup
     width : int
-        Pixels of each plate's picture.
+        Width of the picture of each plate, pixels.
 
     Yields
     ------
     ndarray of uint8, shape (height, width, 3)
-        Height and width are even, as encoders of video want them.
+        Height and width are even, as required by video encoders.
     """
     top = shared_top(shots)
     with style.style():
@@ -82,14 +82,14 @@ def frames(shots: Sequence[Shot], setup: Setup, width: int) -> Iterator[np.ndarr
 
 
 def shared_top(shots: Sequence[Shot]) -> float:
-    """Depth at which the colours of all plates end, mm."""
+    """Depth at the upper end of the colour scale of all plates, mm."""
     last = np.concatenate([shot.depth[-1].ravel() for shot in shots])
     worn = last[last > 0.0]
     return float(np.quantile(worn, FULL_SHARE)) if worn.size else 1.0
 
 
 class _Stage:
-    """A figure that is laid out once; each frame changes its pictures and the clock."""
+    """The figure of the film, laid out once; each frame updates the pictures and the clock."""
 
     def __init__(self, shots, setup, width, top):
         self.shots, self.setup, self.top = shots, setup, top

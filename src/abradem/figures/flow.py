@@ -1,4 +1,4 @@
-"""Flow charts: how the data come about, how a simulation is set up, and the whole workflow."""
+"""Flow charts: generation of the data, set-up of a simulation, and rules of the workflow."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ WORDS = {
     "join_cases": ("join the parameter sets", "cases.parquet"),
     "simulate": ("simulate", "worn volume over time, wear maps"),
     "wear_rates": ("wear rates", "steady slope, standard error, flags"),
-    "failures": ("failures", "cases without a rate, and why"),
+    "failures": ("failures", "cases without a rate, reasons"),
     "dataset": ("data set", "X1 to X20 and the wear depth rates"),
 }
-"""What rules on the way to the data set do, and what they leave."""
+"""Task and output of the rules that lead to the data set."""
 
 LANES = (
     ("cases, simulation", ("sampling", "simulation")),
     ("wear, data set", ("wear", "dataset", "external")),
     ("learning", ("baselines", "physical", "learning")),
 )
-"""Titles of the columns of the whole workflow and the stages in each."""
+"""Titles of the columns of the workflow figure and the stages in each."""
 
 LAST_LANE = "figures, tables"
 
@@ -38,29 +38,29 @@ _METHODS = {
     "uniform": "independent",
 }
 _WIDE = 2.2
-"""Width of a box that stands alone on its level, inches."""
+"""Width of a box that is alone on its level, inches."""
 
 _TINT = {"data": "#E8F1F8", "step": "white", "choice": "#FDF3E0"}
 
 
 def draw_generation(graph: pd.DataFrame, study: Mapping, setup: Mapping | None) -> Figure:
-    """`generation_figure` of the plain values of a `Setup`."""
+    """Draw `generation_figure` from the plain values of a `Setup`."""
     return generation_figure(graph, study, None if setup is None else Setup.from_dict(setup))
 
 
 def generation_figure(
     graph: pd.DataFrame, study: Mapping[str, object], setup: Setup | None
 ) -> Figure:
-    """How the data are generated (rules of the workflow), and how each simulation is set up.
+    """Flow charts of the generation of the data and of the set-up of each simulation.
 
     Parameters
     ----------
     graph : pandas.DataFrame
         From `abradem.running.rule_graph.rule_graph`.
     study : mapping
-        cases, blocks, jobs, method, seed, and ``external``, the table where nothing is simulated.
+        cases, blocks, jobs, method, seed, and ``external``, the path of an external table or None.
     setup : Setup or None
-        None if nothing is simulated; the set-up is then left out.
+        None if nothing is simulated; the second chart is then left out.
     """
     needs = needs_of(graph)
     chain = _way_to("dataset", needs)
@@ -75,7 +75,7 @@ def generation_figure(
 
 
 def workflow_figure(graph: pd.DataFrame) -> Figure:
-    """All rules of the study, from left to right by stage, and what each takes from which.
+    """All rules of the study and their dependencies, from left to right by stage.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def workflow_figure(graph: pd.DataFrame) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Lines that pass a column keep a place of their own in it, so that none runs below a box.
+        Lines that cross a column have their own place in it, so that none runs behind a box.
     """
     needs = needs_of(graph)
     titles, columns = zip(*_columns(graph, needs), strict=True)
@@ -117,7 +117,7 @@ def workflow_figure(graph: pd.DataFrame) -> Figure:
             for index, rule in enumerate(makers)
         }
         for early, late, column in links:
-            # A line begins at the right edge of its column, and crosses that of a passage.
+            # A line starts at the right edge of a box, or of the column for a passage.
             start = lefts[column] + (
                 widths[column] if _is_passage(early) else 0.5 * widths[column]
                 + 0.5 * _box_width(early)
@@ -137,8 +137,8 @@ def workflow_figure(graph: pd.DataFrame) -> Figure:
                     _box_width(rule), 0.17, _short(rule), edge=shades.get(rule, style.GREY),
                 )  # fmt: skip
         panel.text(
-            0.5 * style.PAGE, 0.12, f"{len(needs)} rules; lines: files that one makes and another "
-            "takes, without those that others imply and those within the last column",
+            0.5 * style.PAGE, 0.12, f"{len(needs)} rules; lines: dependencies, without those that "
+            "follow from others and those within the last column",
             ha="center", va="center", fontsize=6.5, color=style.GREY,
         )  # fmt: skip
     return figure
@@ -153,7 +153,7 @@ def _is_passage(name: str) -> bool:
 
 
 def _maker(name: str) -> str:
-    """The rule whose files a line carries."""
+    """The rule that makes the files of a line."""
     return name.partition(_PASSAGE)[0]
 
 
@@ -162,10 +162,10 @@ def _box_width(rule: str) -> float:
 
 
 def _with_passages(columns, needs):
-    """Columns with the passages of lines that run through them, and links between neighbours."""
+    """Columns including the passages of crossing lines, and links between adjacent columns."""
     layers = [list(rules) for rules in columns]
     column_of = {rule: number for number, rules in enumerate(columns) for rule in rules}
-    links = {}
+    links: dict[tuple[str, str, int], None] = {}
     for rule, near in needs.items():
         for one in sorted(near):
             if column_of[one] >= column_of[rule]:
@@ -182,7 +182,7 @@ def _with_passages(columns, needs):
 
 
 def _places(layers, links, sweeps: int = 12) -> list[dict[str, float]]:
-    """Heights of boxes and passages: near what they are linked with, none on another."""
+    """Heights of boxes and passages: close to what they are linked to, without overlap."""
     near: dict[tuple[int, str], list[tuple[int, str]]] = {}
     for early, late, column in links:
         near.setdefault((column, early), []).append((column + 1, late))
@@ -205,7 +205,7 @@ def _places(layers, links, sweeps: int = 12) -> list[dict[str, float]]:
 
 
 def _without_gaps(heights: list[dict[str, float]]) -> list[dict[str, float]]:
-    """The same heights without bands that are empty in all columns."""
+    """The same heights with bands removed that are empty in all columns."""
     levels = sorted({y for layer in heights for y in layer.values()}, reverse=True)
     moved, lift = {}, 0.0
     for index, y in enumerate(levels):
@@ -216,14 +216,14 @@ def _without_gaps(heights: list[dict[str, float]]) -> list[dict[str, float]]:
 
 
 def _apart(wished: dict[str, float]) -> dict[str, float]:
-    """Heights in the order wished, as near to the wishes as the room between them allows."""
+    """Heights closest to the desired ones that keep their order and the necessary distances."""
     names = sorted(wished, key=lambda name: (-wished[name], name))
     rooms = [_PASSAGE_ROOM if _is_passage(name) else _BOX_ROOM for name in names]
     offsets, reach = [], 0.0
     for index, room in enumerate(rooms):
         reach += 0.5 * (room + rooms[index - 1]) if index else 0.0
         offsets.append(reach)
-    # Least squares under the order: blocks that touch move together (pool adjacent violators).
+    # Isotonic least squares: adjacent blocks that overlap are merged (pool adjacent violators).
     blocks: list[list[float]] = []
     for name, offset in zip(names, offsets, strict=True):
         blocks.append([-(wished[name] + offset), 1.0])
@@ -236,7 +236,7 @@ def _apart(wished: dict[str, float]) -> dict[str, float]:
 
 
 def _canvas(figure: Figure, share: tuple[float, float, float, float]):
-    """Axes without frame whose unit is an inch."""
+    """Axes without a frame, in units of inches."""
     panel = figure.add_axes(share)
     width, height = figure.get_size_inches()
     panel.set_xlim(0.0, width * share[2])
@@ -246,7 +246,7 @@ def _canvas(figure: Figure, share: tuple[float, float, float, float]):
 
 
 def _way_to(target: str, needs: Mapping[str, set[str]]) -> dict[str, int]:
-    """Rules that ``target`` rests on, with their distance from the beginning."""
+    """Rules that ``target`` depends on, with their level in the dependency graph."""
 
     def level(rule: str) -> int:
         return 1 + max((level(one) for one in needs[rule]), default=-1)
@@ -261,10 +261,10 @@ def _way_to(target: str, needs: Mapping[str, set[str]]) -> dict[str, int]:
 
 
 def _columns(graph: pd.DataFrame, needs: Mapping[str, set[str]]) -> list[tuple[str, list[str]]]:
-    """Title and rules of every column: stages from left to right, within a stage by need."""
+    """Title and rules of every column, by stage and within a stage by dependency."""
     stage_of = dict(zip(graph["rule"], graph["stage"], strict=True))
     title_of = {stage: title for title, stages in LANES for stage in stages}
-    lanes: dict[str, list[str]] = {title: [] for title, _ in LANES} | {LAST_LANE: []}
+    lanes: dict[str, list[str]] = {title: [] for title in (*dict(LANES), LAST_LANE)}
     for rule, stage in stage_of.items():
         drawn = rule.startswith("figure_")
         lanes[LAST_LANE if drawn else title_of.get(stage, LAST_LANE)].append(rule)
@@ -302,7 +302,7 @@ def _generation(panel, needs, chain, study) -> None:
     words = (
         ("configuration", f"ranges of 14 quantities, seed {study['seed']}, set-up")
         if source is None
-        else ("a table from elsewhere", Path(source).name)
+        else ("external table", Path(source).name)
     )
     _box(panel, x_middle, top, _WIDE, box[1], *words, tint="data")
     rows: dict[int, list[str]] = {}
@@ -319,7 +319,7 @@ def _generation(panel, needs, chain, study) -> None:
                 if chain[rule] - chain[one] == 1:
                     _down(panel, places[one], places[rule], box[1])
                 else:
-                    # Past the boxes between them, along the edge.
+                    # Along the edge, past the boxes in between.
                     x, foot = 0.14, places[one][1] - 0.5 * box[1]
                     panel.plot([x, x], [foot, places[rule][1]], color=style.GREY, lw=0.9, zorder=1)
                     _arrow(panel, (x, places[rule][1]), (x_middle - 0.5 * _WIDE, places[rule][1]))
@@ -392,19 +392,20 @@ def _simulation(panel, setup: Setup) -> None:
         f"spring;\nstep {step}",
     )  # fmt: skip
     _box(
-        panel, x_middle, y(3), wide, tall, "advance",
-        f"release particles, contact forces, move, remove {mm['removal_depth']} mm below;\nadd "
+        panel, x_middle, y(3), wide, tall, "time integration",
+        f"release, contact forces, motion, removal {mm['removal_depth']} mm below;\nadd "
         "$F_n\\,\\mathrm{d}s$ to the facet below each contact",
     )  # fmt: skip
     _box(
         panel, x_middle, y(4), wide, 1.1 * tall,
         f"steady for {setup.window:g} s, standard error at most "
         f"{100 * setup.target_stderr:g} %?",
-        f"sampled every {setup.sample_interval:g} s; over after {setup.max_time:g} s", "choice",
+        f"sampled every {setup.sample_interval:g} s; ends after {setup.max_time:g} s at the latest",
+        "choice",
     )  # fmt: skip
     _box(
         panel, x_middle, y(5), wide, tall, "series, map, run",
-        "worn volume over time, wear of each facet, how it ended", "data",
+        "worn volume over time, wear of each facet, final status", "data",
     )  # fmt: skip
     edge = x_middle + 0.5 * wide
     back = min(edge + 0.16, width - 0.12)
@@ -421,7 +422,7 @@ def _simulation(panel, setup: Setup) -> None:
 
 
 def _plain(name: str) -> str:
-    return {"exact_e": "rebound exactly $e$"}.get(name, name.replace("_", " "))
+    return {"exact_e": "exact restitution $e$"}.get(name, name.replace("_", " "))
 
 
 def _box(panel, x, y, width, height, title, words="", tint="step", edge=style.BLUE) -> None:
@@ -445,7 +446,7 @@ def _box(panel, x, y, width, height, title, words="", tint="step", edge=style.BL
 
 
 def _down(panel, start, end, height) -> None:
-    """An arrow from the foot of one box to the head of another."""
+    """An arrow from the bottom of one box to the top of another."""
     _arrow(panel, (start[0], start[1] - 0.5 * height), (end[0], end[1] + 0.5 * height))
 
 
@@ -459,7 +460,7 @@ def _arrow(panel, start, end) -> None:
 
 
 def _curve(panel, start, end, colour) -> None:
-    """A line between two places, level at both ends."""
+    """A curved line between two points, horizontal at both ends."""
     bend = max(0.45 * (end[0] - start[0]), 0.05)
     panel.add_patch(
         FancyArrowPatch(
@@ -473,7 +474,7 @@ def _curve(panel, start, end, colour) -> None:
 
 
 def needs_of(graph: pd.DataFrame) -> dict[str, set[str]]:
-    """Rules that each rule takes files from, without those that others of them imply."""
+    """Direct dependencies of each rule, without those that follow from the others."""
     direct = {rule: set(rows["needs"]) - {""} for rule, rows in graph.groupby("rule")}
     beyond: dict[str, set[str]] = {}
 

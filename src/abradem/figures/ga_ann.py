@@ -1,4 +1,4 @@
-"""The genetic search: fitness over the generations, architectures, and what chance leaves."""
+"""The genetic search: fitness and network size over the generations, and retrained networks."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ LOWEST = -0.5
 def draw(
     history: Iterable[pd.DataFrame], scores: Iterable[pd.DataFrame], summaries: Iterable[dict]
 ) -> Figure:
-    """`search_figure` of the tables and summaries of both protocols."""
-    tables = (pd.concat(parts, ignore_index=True) for parts in (history, scores))
-    return search_figure(*tables, {summary["protocol"]: summary for summary in summaries})
+    """Draw `search_figure` from the tables and summaries of both protocols."""
+    found, scored = (pd.concat(parts, ignore_index=True) for parts in (history, scores))
+    return search_figure(found, scored, {summary["protocol"]: summary for summary in summaries})
 
 
 def search_figure(history: pd.DataFrame, scores: pd.DataFrame, summaries: dict) -> Figure:
-    """Fitness by generation, size of the networks, and scores of nets trained again.
+    """Fitness by generation, size of the networks, and scores of retrained networks.
 
     Parameters
     ----------
     history : pandas.DataFrame
-        Of both protocols, the first search of each is shown.
+        History of both protocols; the first search of each is shown.
     scores : pandas.DataFrame
-        Of the networks.
+        Scores of the networks.
     summaries : dict
         By protocol, see `abradem.learning.baselines.ga_ann.fit_networks`.
     """
@@ -49,12 +49,12 @@ def search_figure(history: pd.DataFrame, scores: pd.DataFrame, summaries: dict) 
         figure.legend(handles=_handles(protocols), loc="outside upper center", ncols=6)
         style.caption(
             figure,
-            "fitness as published: $R^2$ on the test rows themselves; leakage-free: on validation rows "
-            "inside the training rows. (d): found net and the paper's, 449-24-500-385, one dot for "
-            "each training from other start weights, scored on the test rows; cross: the fitness "
-            "that the search reported; "
-            "diamond: the score that counts (as published the best look, leakage-free the first). Nets "
-            "below the axis stand on its edge",
+            "fitness as published: $R^2$ on the test rows themselves; leakage-free: $R^2$ on "
+            "validation rows inside the training rows; networks below the axis are drawn at its "
+            "edge. (d) GA-ANN: network found; paper: 449-24-500-385; dots: trainings from "
+            "different initial weights, scored on the test rows; cross: fitness reported by the "
+            "search; diamond: final score (as published: best result on the test rows; "
+            "leakage-free: first training)",
         )
     return figure
 
@@ -67,7 +67,7 @@ def _handles(protocols) -> list:
         Line2D([], [], color=style.GREY, ls="--", label="median"),
         Line2D([], [], color=style.BLACK, drawstyle="steps-post", label="best"),
         Line2D([], [], marker="o", ms=3.2, mfc="none", mew=0.8, color=style.BLACK, ls="",
-               label="descent of the best"),
+               label="lineage of the best"),
     ]  # fmt: skip
 
 
@@ -117,7 +117,8 @@ def _size_panel(panel, summaries, protocols) -> None:
 
 def _retrained_panel(panel, scores, protocols) -> None:
     rows = scores[scores["metric"] == "R2"]
-    ticks, values = [], []
+    ticks: list[str] = []
+    values: list[float] = []
     for protocol in protocols:
         for model in ("ga_ann", "paper_net"):
             mine = rows[(rows["protocol"] == protocol) & (rows["model"] == model)]
@@ -136,7 +137,7 @@ def _retrained_panel(panel, scores, protocols) -> None:
                     )  # fmt: skip
                     values.append(by_split[split][0])
             values += list(again)
-            name = "found net" if model == "ga_ann" else "paper's net"
+            name = "GA-ANN" if model == "ga_ann" else "paper"
             ticks.append(f"{name}\n{PROTOCOLS[protocol]}")
     panel.set_xticks(range(len(ticks)), ticks, fontsize=6.5)
     panel.set_xlim(-0.5, len(ticks) - 0.5)
@@ -145,4 +146,4 @@ def _retrained_panel(panel, scores, protocols) -> None:
     pad = 0.1 * (high - low) + 0.01
     panel.set_ylim(max(low, -2.0) - pad, high + pad)
     panel.set_ylabel("$R^2$")
-    panel.set_title(f"{style.letter(3)} trained again", loc="left", fontsize=7.0)
+    panel.set_title(f"{style.letter(3)} retrained networks", loc="left", fontsize=7.0)

@@ -1,4 +1,4 @@
-"""Wear maps over the parameter space: a grid of cases by two quantities."""
+"""Wear maps over the parameter space: a grid of cases over two quantities."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ def draw(
     setup: Mapping,
     grid: Mapping,
 ) -> Figure:
-    """`gallery_figure` of the cases that stand for the parameter space.
+    """Draw `gallery_figure` for cases that represent the parameter space.
 
     Parameters
     ----------
     cases : pandas.DataFrame
         All cases.
     maps, runs : iterable of pandas.DataFrame
-        Tables of batches. Of each map only the chosen cases are kept, as those of all cases of a
-        large study do not fit into memory.
+        Tables of the batches. Only the maps of the chosen cases are kept, as those of all cases of
+        a large study do not fit into memory.
     setup : mapping
         Plain values of the `Setup`.
     grid : mapping
@@ -47,7 +47,7 @@ def draw(
 def gallery_figure(
     facets: pd.DataFrame, panels: pd.DataFrame, places: pd.DataFrame, across: str, down: str
 ) -> Figure:
-    """Wear maps of cases, each on its own scale, ordered by two quantities.
+    """Wear maps of cases, each with its own colour scale, ordered by two quantities.
 
     Parameters
     ----------
@@ -61,8 +61,8 @@ def gallery_figure(
     Returns
     -------
     matplotlib.figure.Figure
-        Above each map its case's two quantities and radius, below it the largest depth rate,
-        at which its colours end.
+        Above each map the two quantities and the radius of the case, below it the largest depth
+        rate, at which the colours end.
     """
     with style.style():
         if places.empty:
@@ -83,12 +83,12 @@ def gallery_figure(
         if mesh is not None:
             bar = figure.colorbar(mesh, ax=grid, shrink=0.5, aspect=30, pad=0.015)
             bar.outline.set_linewidth(0.6)
-            bar.set_label("Depth rate over its largest")
+            bar.set_label("Depth rate / largest depth rate")
         style.caption(
             figure,
-            f"columns by {LABELS[across].long_name}, rows by {LABELS[down].long_name}; the "
-            "case nearest to the middle of each cell of the sampled span; above each map these "
-            "two and the radius, below it its largest depth rate; up the slope to the "
+            f"columns: {LABELS[across].long_name}, rows: {LABELS[down].long_name}; shown is the "
+            "case nearest to the centre of each cell of the sampled ranges; above each map: these "
+            "two quantities and the radius; below: largest depth rate; the slope rises to the "
             "right",
         )
     return figure
@@ -128,21 +128,21 @@ def _map(panel, rows: pd.DataFrame, case: pd.Series):
 def chosen_cases(
     cases: pd.DataFrame, runs: pd.DataFrame, across: str, down: str, columns: int, rows: int
 ) -> pd.DataFrame:
-    """The case nearest to the middle of each cell of a grid over two quantities.
+    """The case nearest to the centre of each cell of a grid over two quantities.
 
     Parameters
     ----------
     cases, runs : pandas.DataFrame
-        Cases without a window of facets are not chosen.
+        Cases without a wear map are not chosen.
     across, down : str
-        Quantities that grow from left to right and from top to bottom.
+        Quantities that increase from left to right and from top to bottom.
     columns, rows : int
-        Cells; the quantities' spans are divided evenly.
+        Numbers of cells; the ranges of the quantities are divided evenly.
 
     Returns
     -------
     pandas.DataFrame
-        case_id, row, column; a cell without a case has no line.
+        case_id, row, column; cells without a case are left out.
     """
     good = runs[(runs["status"] == "ok") & (runs["window_end"] > runs["window_start"])]
     known = cases[cases["case_id"].isin(good["case_id"])].reset_index(drop=True)

@@ -1,7 +1,7 @@
-"""The gallery page of the documentation: every figure of a study at small size.
+"""The gallery page of the documentation, with every figure of a study at reduced size.
 
-``python -m abradem.figures.gallery_page results/paper`` writes docs/gallery.md and its images from the
-study's figures; an image whose figure the study lacks stays as it is.
+``python -m abradem.figures.gallery_page results/paper`` writes docs/gallery.md and its images from
+the figures of a study. Images of figures that the study lacks are left unchanged.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from abradem.figures.catalogue import FIGURES, groups
 from abradem.store.files import replacing, write_text
 
 WIDTH = 760
-"""Of the images, pixels."""
+"""Width of the images, pixels."""
 
 COLOURS = 128
-"""Of the images: enough for charts, and a third of the bytes."""
+"""Number of colours of the images: sufficient for charts, with a third of the file size."""
 
 
 def shrink(source: Path, target: Path) -> None:
-    """Write a picture at the page's width with few colours."""
+    """Write a copy of a picture at the width of the page, with few colours."""
     with Image.open(source) as picture:
         height = round(picture.height * min(1.0, WIDTH / picture.width))
         width = min(WIDTH, picture.width)
@@ -37,17 +37,18 @@ def page(names: set[str]) -> str:
     Parameters
     ----------
     names : set of str
-        Figures that there are images of; the others are left out.
+        Figures with an image; the others are left out.
     """
     lines = [
         "# Gallery",
         "",
-        "The figures of a study, at small size; `results/<study>/figures/` holds each as PDF and",
-        "PNG at the width of a journal's column or page. `make run` makes all of them, those of",
-        "verification and speed where `make verify` and `benchmarks/cost.py` were run before.",
-        "`snakemake movie` makes the film whose last picture is at the end (some minutes, with",
-        "`pip install -e '.[movie]'`), `snakemake vtk` files for ParaView, and `snakemake paper`",
-        "typesets `paper/main.tex`, which shows how a text includes figures, tables and numbers.",
+        "The figures of a study at reduced size. `results/<study>/figures/` contains each as PDF",
+        "and PNG at the width of a journal's column or page. `make run` makes all of them; the",
+        "figures of verification and performance require an earlier `make verify` and",
+        "`benchmarks/cost.py`. `snakemake movie` makes the film whose last frame is shown at the",
+        "end (a few minutes; needs `pip install -e '.[movie]'`), `snakemake vtk` writes files for",
+        "ParaView, and `snakemake paper` typesets `paper/main.tex`, an example of a text that",
+        "includes figures, tables and numbers.",
         "",
     ]
     for group, figures in groups().items():
@@ -58,7 +59,7 @@ def page(names: set[str]) -> str:
             lines += [entry.full_caption.replace("``", "`"), ""]
             lines += [f"![{entry.label}](images/{name}.png)", ""]
     if FILM in names:
-        lines += ["## Film", "", "Wear of plates at three angles, one scale:", ""]
+        lines += ["## Film", "", "Wear of plates at three angles, on the same scale:", ""]
         lines += [f"![Wear of plates at three angles](images/{FILM}.png)", ""]
     return "\n".join(lines)
 
@@ -67,7 +68,7 @@ FILM = "film"
 
 
 def main(arguments: list[str], root: Path = Path(".")) -> int:
-    """Write the page and its images from the study's folder that the arguments name."""
+    """Write the page and its images from the folder of a study, the only argument."""
     if len(arguments) != 1 or not Path(arguments[0], "figures").is_dir():
         print("usage: python -m abradem.figures.gallery_page results/<study>", file=sys.stderr)
         return 2

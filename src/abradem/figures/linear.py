@@ -1,4 +1,4 @@
-"""The linear equation: its coefficients, and what it predicts for cases it has not seen."""
+"""Figures of the linear regression: coefficients, and predictions for held-out cases."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from abradem.figures import style
 from abradem.words.labels import LABELS, PROTOCOLS, WEAR_WORDS
 
 LOG_SPAN = 30.0
-"""Largest over smallest value from which axes are logarithmic."""
+"""Ratio of largest to smallest value above which axes are logarithmic."""
 
 
 def coefficients_figure(coefficients: pd.DataFrame, model: dict) -> Figure:
@@ -22,19 +22,18 @@ def coefficients_figure(coefficients: pd.DataFrame, model: dict) -> Figure:
     coefficients : pandas.DataFrame
         From `abradem.learning.baselines.linear.fit_linear`.
     model : dict
-        Its summary.
+        Summary of the model.
 
     Returns
     -------
     matplotlib.figure.Figure
-        The axis has room for every bar; an interval that runs beyond it ends in an arrowhead
-        (nearly dependent features, such as E and G of one body, have intervals so wide that
-        they would hide all others).
+        The axis includes all bars. Intervals that exceed it end in an arrowhead, because nearly
+        dependent features, such as E and G of one body, have very wide intervals.
     """
     with style.style():
         figure, axes = style.panels(2, 1, 2.2)
         half = (len(coefficients) + 1) // 2
-        # Both panels share the axis, so that bars compare across them.
+        # Both panels have the same vertical axis.
         limit = _coefficient_limit(coefficients)
         parts = (coefficients.iloc[:half], coefficients.iloc[half:])
         for index, (panel, part) in enumerate(zip(axes, parts, strict=True)):
@@ -53,16 +52,15 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
     Parameters
     ----------
     predictions : pandas.DataFrame
-        protocol, case_id, repeat, actual, predicted (mm/s) of held-out rows; those of the
-        model's protocol are shown.
+        protocol, case_id, repeat, actual, predicted (mm/s) of held-out rows; the rows of the
+        protocol of the model are shown.
     model : dict
         Summary of the model.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Logarithmic axes if the wear spans decades and all predictions are positive; otherwise
-        linear ones.
+        The axes are logarithmic if the wear spans decades and all predictions are positive.
     """
     with style.style():
         figure, (panel,) = style.panels(1, 1, 3.0, style.COLUMN)
@@ -104,9 +102,10 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
         splits = model["splits"]
         style.caption(
             figure,
-            f"{_target_words(model)}; {model['model']} model, {PROTOCOLS[model['protocol']]} protocol, "
-            f"{splits['rows']} cases; held-out cases of {splits['repeats']} random splits "
-            f"({splits['train']} train, {splits['test']} test), each split its own fit",
+            f"{_target_words(model)}; {model['model']} model, "
+            f"{PROTOCOLS[model['protocol']]} protocol, {splits['rows']} cases; held-out cases of "
+            f"{splits['repeats']} random splits ({splits['train']} train, {splits['test']} test), "
+            "one fit per split",
         )
     return figure
 
@@ -140,7 +139,7 @@ def _coefficient_panel(panel, part: pd.DataFrame, limit: float) -> None:
 
 
 def _coefficient_limit(coefficients: pd.DataFrame) -> float:
-    """Half the height of the axis: all bars fit, and all intervals unless they dwarf the bars."""
+    """Half the height of the axis: fits all bars, and intervals up to 1.5 times the longest bar."""
     bars = float(coefficients["coefficient"].abs().max())
     ends = coefficients[["lower", "upper"]].abs().to_numpy(dtype=float)
     ends = ends[np.isfinite(ends)]
@@ -151,18 +150,19 @@ def _coefficient_limit(coefficients: pd.DataFrame) -> float:
 def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) -> list[str]:
     share = 100.0 * model["confidence"]
     rows = model["splits"]["rows"]
-    first = f"{_target_words(model)}; protocol: {PROTOCOLS[model['protocol']]}; least squares on all {rows} cases"
+    protocol = PROTOCOLS[model["protocol"]]
+    first = f"{_target_words(model)}; protocol: {protocol}; least squares on all {rows} cases"
     ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
     if not np.isfinite(ends).any():
         return [
             first,
-            f"{rows} cases do not determine {len(coefficients)} coefficients: no intervals",
+            f"{rows} cases do not determine {len(coefficients)} coefficients; no intervals",
         ]
     second = f"lines: {share:g} % intervals (HC3)"
     if (np.abs(ends[np.isfinite(ends)]) > limit).any():
-        second += "; arrowheads: the interval runs on"
+        second += "; arrowheads: the interval exceeds the axis"
     if not np.isfinite(ends).all():
-        second += "; no line: not determined by the cases"
+        second += "; no line: coefficient not determined by the cases"
     return [first, second]
 
 
@@ -173,7 +173,7 @@ def _target_words(model: dict) -> str:
 
 
 def _score_words(model: dict) -> str:
-    """Held-out R2 with its interval, as far as it exists."""
+    """Held-out R2 and its interval as text."""
     score = model["scores"]["test"]["R2"]
     if score["median"] is None or not np.isfinite(score["median"]):
         return "held-out $R^2$ cannot be computed"
@@ -183,7 +183,7 @@ def _score_words(model: dict) -> str:
 
 
 def _r2_text(value: float) -> str:
-    """Two decimals; none for the large negative values of hopeless predictions."""
+    """R2 with two decimals, or none for large negative values."""
     return (
         f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
         if value > -10.0
@@ -192,6 +192,6 @@ def _r2_text(value: float) -> str:
 
 
 def _tick_step(span: float) -> float:
-    """1, 2 or 5 times a power of ten, four to ten of which make up the span."""
+    """Distance of ticks: 1, 2 or 5 times a power of ten, four to ten of them in the span."""
     power = 10.0 ** np.floor(np.log10(span / 4.0))
     return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= span / 4.0))

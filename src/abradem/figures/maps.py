@@ -1,4 +1,4 @@
-"""Wear maps: where on the plate the wear is."""
+"""Wear maps: distribution of the wear over the plate."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ def draw(
     setup: Mapping,
     shown: Sequence[int],
 ) -> Figure:
-    """`wear_maps_figure` of the tables of batches, see `depth_rate_maps`."""
-    tables = (concatenate(parts) for parts in (maps, runs, cases))
-    return wear_maps_figure(*depth_rate_maps(*tables, Setup.from_dict(setup), shown))
+    """Draw `wear_maps_figure` from the tables of the batches, see `depth_rate_maps`."""
+    worn, ended, drawn = (concatenate(parts) for parts in (maps, runs, cases))
+    return wear_maps_figure(*depth_rate_maps(worn, ended, drawn, Setup.from_dict(setup), shown))
 
 
 def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, measure: str = "total") -> Figure:
-    """Depth rate of every facet of the plate, one panel per case, yellow to red.
+    """Wear depth rate of every facet of the plate, one panel per case.
 
     Parameters
     ----------
     facets, panels : pandas.DataFrame
         From `abradem.figures.maps.depth_rate_maps`.
     measure : str
-        Named below the panels.
+        Wear measure, named in the caption.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Every panel has its own colour bar: wear constants differ by decades between cases.
+        Every panel has its own colour bar, as wear constants differ by decades between cases.
     """
     with style.style():
         if panels.empty:
@@ -60,8 +60,9 @@ def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, measure: str = 
                 _map_panel(figure, panel, rows)
         style.caption(
             figure,
-            f"wear measure: {measure}; depth rate of facets {_window_words(panels)}; "
-            "x along the slope, z across, from the plate's centre; each panel has its own scale",
+            f"wear measure: {measure}; depth rate of each facet {_window_words(panels)}; x: along "
+            "the slope, z: across, from the centre of the plate; each panel has its own colour "
+            "scale",
         )
     return figure
 
@@ -83,7 +84,7 @@ def _map_panel(figure: Figure, panel, rows: pd.DataFrame) -> None:
 
 
 def _edges(middles: np.ndarray) -> np.ndarray:
-    """Edges of equal cells with the given middles."""
+    """Edges of equal cells with the given centres."""
     step = middles[1] - middles[0] if len(middles) > 1 else 1.0
     return np.append(middles - 0.5 * step, middles[-1] + 0.5 * step)
 
@@ -104,25 +105,25 @@ def depth_rate_maps(
     shown: Sequence[int],
     measure: str = "total",
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Wear depth rate of every facet in the window, for some cases.
+    """Wear depth rate of every facet within the averaging window, for some cases.
 
     Parameters
     ----------
     maps, runs, cases, setup
-        As for `wear_rates`; rows of other cases are ignored.
+        As for `abradem.wear.rates.wear_rates`; rows of other cases are ignored.
     shown : sequence of int
-        Cases, in the order wanted.
+        Cases, in the desired order.
     measure : str
         One of `abradem.quantities.WEAR_MEASURES`.
 
     Returns
     -------
     facets : pandas.DataFrame
-        case_id, facet_x, facet_z, the facet's middle ``x`` and ``z`` (mm along the plate's
-        slope and width from its centre), ``depth_rate`` (mm/s).
+        case_id, facet_x, facet_z, centre of the facet ``x`` and ``z`` (mm along the slope and the
+        width, from the centre of the plate), ``depth_rate`` (mm/s).
     panels : pandas.DataFrame
         One row per case of ``shown`` among the runs: case_id, status, the sampled quantities,
-        window_start, window_end (s; nan without a steady state, the case then has no facets).
+        window_start, window_end (s; nan without a steady state; such cases have no facets).
     """
     nx, nz = setup.facets
     facet_x, facet_z = (index.ravel() for index in np.indices((nx, nz)))

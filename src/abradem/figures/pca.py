@@ -1,4 +1,4 @@
-"""Principal components: correlations of the quantities, loadings, variances, regression."""
+"""Principal components: correlations of the features, loadings, variances, regression."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from abradem.words.labels import LABELS, PROTOCOLS, feature_label
 
 DIVERGING = "RdBu_r"
 SPLIT_AT = 10
-"""Heat maps show X1 to X10, and X11 to X21."""
+"""Number of quantities in the first heat map: X1 to X10, then X11 to X21."""
 LOWEST = -1.0
-"""R2 below this runs out of the panel."""
+"""Lower end of the R2 axis."""
 
 
 def draw_correlations(correlations: pd.DataFrame, model: Mapping) -> Figure:
-    """`correlations_figure` of the rows that the model of all components was trained on."""
+    """Draw `correlations_figure` with the number of training rows of the model."""
     return correlations_figure(correlations, model["training_rows"])
 
 
@@ -34,7 +34,7 @@ def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
     correlations : pandas.DataFrame
         From `abradem.learning.baselines.pca.fit_pca`.
     rows : int
-        Rows of the table.
+        Number of rows of the data set.
     """
     names = list(dict.fromkeys(correlations["feature"]))
     grid = correlations.pivot(index="feature", columns="other", values="correlation")
@@ -59,13 +59,13 @@ def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
         bar.outline.set_linewidth(0.6)
         style.caption(
             figure,
-            f"all {rows} rows: a description, the same under both protocols; X21: wear depth rate",
+            f"all {rows} rows, descriptive, the same under both protocols; X21: wear depth rate",
         )
     return figure
 
 
 def _short(value: float) -> str:
-    """A correlation in the little room of a cell: two decimals, no leading zero."""
+    """A correlation as short text for a cell: two decimals, no leading zero."""
     text = style.minus(f"{round(value, 2) + 0.0:.2f}")
     return text if text[-4] == "1" else text.replace("0.", ".", 1)
 
@@ -78,7 +78,7 @@ def _name_axes(panel, names) -> None:
 
 
 def loadings_figure(loadings: pd.DataFrame, scree: pd.DataFrame, summary: dict) -> Figure:
-    """Loadings and variances of the components, both scalings.
+    """Loadings and variances of the components, for both scalings.
 
     Parameters
     ----------
@@ -114,9 +114,9 @@ def loadings_figure(loadings: pd.DataFrame, scree: pd.DataFrame, summary: dict) 
         words = "; ".join(f"{PROTOCOLS[name]}: {summary['stiffness'][name]}" for name in protocols)
         style.caption(
             figure,
-            "all rows, no target involved; as published: features scaled to 0...1, leakage-free: "
-            f"standardised. Stiffnesses, {words} (each feature with the component it correlates "
-            "most with, at least 0.6)",
+            "all rows, without the target; as published: features scaled to 0...1; leakage-free: "
+            f"standardised. Stiffnesses, {words} (a feature is grouped with the component that it "
+            "correlates with most, if by at least 0.6)",
         )
     return figure
 
@@ -138,7 +138,7 @@ def _scree_panel(panel, index, rows, protocol) -> None:
 
 
 def components_curve_figure(curve: pd.DataFrame) -> Figure:
-    """R2 on held-out rows against the number of components: right and wrong target, leakage-free.
+    """R2 on held-out rows against the number of components, for both targets and protocols.
 
     Parameters
     ----------
@@ -150,8 +150,10 @@ def components_curve_figure(curve: pd.DataFrame) -> Figure:
         for protocol, explained, colour, line, words in (
             (AS_PUBLISHED, "last component", style.ORANGE, "s-",
              "as published, wrong target (last component)"),
-            (AS_PUBLISHED, "wear", style.PROTOCOL_COLOURS[AS_PUBLISHED], "o-", "as published, wear"),
-            (LEAKAGE_FREE, "wear", style.PROTOCOL_COLOURS[LEAKAGE_FREE], "^-", "leakage-free, wear"),
+            (AS_PUBLISHED, "wear", style.PROTOCOL_COLOURS[AS_PUBLISHED], "o-",
+             "as published, wear"),
+            (LEAKAGE_FREE, "wear", style.PROTOCOL_COLOURS[LEAKAGE_FREE], "^-",
+             "leakage-free, wear"),
         ):  # fmt: skip
             rows = curve[(curve["protocol"] == protocol) & (curve["explained"] == explained)]
             panel.plot(rows["components"], rows["r2"], line, color=colour, ms=2.5, label=words)
@@ -171,8 +173,8 @@ def components_curve_figure(curve: pd.DataFrame) -> Figure:
         figure.legend(loc="outside upper left")
         style.caption(
             figure,
-            "as published: one split, scalers and components of all rows; leakage-free: median of the "
-            "repeated splits, band: their central share"
-            + ("; values below \N{MINUS SIGN}1 run out of the panel" if low < LOWEST else ""),
+            "as published: one split, scalers and components of all rows; leakage-free: median "
+            "over the repeated splits, band: central share of the splits"
+            + ("; values below \N{MINUS SIGN}1 are not shown" if low < LOWEST else ""),
         )
     return figure

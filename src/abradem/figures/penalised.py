@@ -15,7 +15,7 @@ from abradem.quantities import quantity
 from abradem.words.labels import LABELS, MODELS, PROTOCOLS
 
 NAMED = 6
-"""Paths of the largest weights are named, the others are grey."""
+"""Number of features, those with the largest weights, whose paths are coloured and named."""
 
 
 def penalised_figure(
@@ -36,7 +36,7 @@ def penalised_figure(
     models = list(dict.fromkeys(paths["model"]))
     with style.style():
         figure, axes = style.panels(6, 3, 3.2)
-        # Those that the lasso keeps as published, then the largest of the ridge.
+        # Features kept by the lasso as published, then the largest weights of the ridge.
         of_paper = weights[weights["protocol"] == AS_PUBLISHED].assign(
             size=lambda rows: rows["weight"].abs()
         )
@@ -53,8 +53,10 @@ def penalised_figure(
                 *(Line2D([], [], color=style.PALETTE[i], label=f"{quantity(name).symbol} "
                          f"${LABELS[name].tex}$") for i, name in enumerate(named)),
                 Line2D([], [], color=style.LIGHT_GREY, label="others"),
-                Line2D([], [], color=style.PROTOCOL_COLOURS[AS_PUBLISHED], ls=":", label="penalty as published"),
-                Line2D([], [], color=style.PROTOCOL_COLOURS[LEAKAGE_FREE], ls="--", label="cross-validated"),
+                Line2D([], [], color=style.PROTOCOL_COLOURS[AS_PUBLISHED], ls=":",
+                       label="penalty as published"),
+                Line2D([], [], color=style.PROTOCOL_COLOURS[LEAKAGE_FREE], ls="--",
+                       label="cross-validated"),
                 *(Patch(color=style.PROTOCOL_COLOURS[name], label=f"weights, {PROTOCOLS[name]}")
                   for name in (AS_PUBLISHED, LEAKAGE_FREE)),
             ],
@@ -63,11 +65,11 @@ def penalised_figure(
         )  # fmt: skip
         style.caption(
             figure,
-            "(a, b, d, e): all rows, standardised; cross-validated $R^2$ is the mean over the "
-            "folds, band: its standard error. (c, f): weights as published (scaler of all rows, "
-            "penalty given) and leakage-free (mean over the repeated splits, penalty cross-validated "
-            "inside the training rows); numbers: share of the leakage-free splits in which the feature "
-            "survives",
+            "(a, b, d, e) all rows, standardised; cross-validated $R^2$: mean over the folds, "
+            "band: its standard error. (c, f) weights as published (scaler of all rows, fixed "
+            "penalty) and leakage-free (mean over the repeated splits, penalty cross-validated "
+            "inside the training rows); numbers: share of the leakage-free splits in which the "
+            "lasso keeps the feature",
         )
     return figure
 
@@ -81,7 +83,7 @@ def _path_panel(panel, index, model, paths, named, alphas) -> None:
             rows["alpha"], rows["weight"], color=colour, lw=1.1 if shown else 0.8,
             zorder=2 if shown else 1,
         )  # fmt: skip
-    # Least squares of dependent features would dwarf the rest.
+    # Weights of dependent features are very large for small penalties.
     reach = 1.3 * mine.loc[mine["feature"].isin(named[:3]), "weight"].abs().max() or 1.0
     panel.set_ylim(-reach, reach)
     panel.axhline(0.0, color=style.BLACK, lw=0.5)

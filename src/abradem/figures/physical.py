@@ -1,4 +1,4 @@
-"""The models of the wear number on one page: how good, how sure, from how many cases, and why."""
+"""The physics-informed models: scores, calibration, learning curve, sensitivity, power law."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from abradem.words.labels import GROUP_LABELS, LABELS, MODELS, Label
 
 SHOWN_OTHERS = ("linear", "ridge", "tree", "forest", "ga_ann")
 LEAST = 1e-4
-"""Unexplained share at which axes end."""
+"""Unexplained share 1 - R2 at which axes end."""
 
 MOST_INDICES = 8
 
@@ -47,7 +47,7 @@ def models_figure(
     noise : mapping or None
         From `abradem.learning.physical.noise_floor.noise_floor`; None without simulations.
     table : str
-        Name of the table learned from.
+        Name of the data set.
     """
     with style.style():
         figure = style.new_figure(style.PAGE, 7.6)
@@ -61,26 +61,26 @@ def models_figure(
         _exponents(panels[4], exponents)
         rows = int(calibration["tested"].iloc[0])
         words = (
-            f"table: {table}. (a) test rows of repeated splits, leakage-free protocol: median, central "
-            "95 % of the splits (surrogate: the first of them). "
+            f"data set: {table}. (a) test rows of repeated splits, leakage-free protocol: median "
+            "and central 95 % of the splits (surrogate: of the first splits). "
         )
         if noise is not None:
             words += (
                 f"Noise floor: {noise['cases']} cases, {noise['replicates']} simulations with "
-                "other seeds; band of 95 %. "
+                "other seeds; 95 % band. "
             )
         words += (
-            f"(b) every one of {rows} rows held out once; grey: binomial band of 95 %. (c) median "
-            "over splits and central 95 %. (d) Gaussian process over the ranges of the table, "
-            "bootstrap intervals of 95 %. (e) dot: exponent of a quantity, from the groups' "
-            "exponents; bar: 95 %, HC3"
+            f"(b) each of {rows} rows held out once; grey: 95 % binomial band. (c) median over the "
+            "splits and central 95 %. (d) Gaussian process over the ranges of the data set, 95 % "
+            "bootstrap intervals. (e) exponents of quantities, computed from those of the groups; "
+            "bars: 95 % intervals, HC3"
         )
         style.caption(figure, words)
     return figure
 
 
 def _unexplained_axis(axis, low: float, high: float) -> None:
-    """Ticks of a logarithmic axis of 1 - R2, labelled with R2."""
+    """Set the ticks of a logarithmic axis of 1 - R2, labelled with R2."""
     ticks = [0.5, 0.1, 0.01, 0.001, 0.0001]
     kept = [tick for tick in ticks if low <= tick <= high]
     axis.set_ticks(kept, [f"{1.0 - tick:.4g}" for tick in kept])
@@ -126,7 +126,7 @@ def _comparison(panel: Axes, comparison: pd.DataFrame, noise: Mapping | None) ->
     panel.set_ylim(len(names) - 0.1, -0.8)
     panel.grid(axis="x", color=style.LIGHT_GREY, lw=0.5)
     panel.set_axisbelow(True)
-    panel.set_xlabel("$R^2$ on held-out rows (scale of $1 - R^2$)")
+    panel.set_xlabel("$R^2$ on held-out rows (log scale of $1 - R^2$)")
     panel.set_title(f"{style.letter(0)} comparison", loc="left")
 
 
@@ -148,7 +148,7 @@ def _calibration(panel: Axes, calibration: pd.DataFrame) -> None:
     widths = rows.set_index("level")["width"]
     words = [f"{100.0 * level:g} %: +{100.0 * widths[level]:.1f} %" for level in (0.5, 0.8, 0.95)]
     panel.text(
-        102.0, 3.0, "\n".join(["median upper end", "over prediction", *words]), fontsize=6.5,
+        102.0, 3.0, "\n".join(["median upper end", "above prediction", *words]), fontsize=6.5,
         ha="right", va="bottom", color=style.BLUE,
     )  # fmt: skip
     panel.set_xlim(0.0, 104.0)
@@ -198,7 +198,7 @@ def _indices(panel: Axes, indices: pd.DataFrame) -> None:
     rows = rows.iloc[:MOST_INDICES]
     places = np.arange(len(rows))
     for shift, column, colour, words in (
-        (-0.2, "total", style.BLUE, "total"), (0.2, "first", style.SKY, "alone"),
+        (-0.2, "total", style.BLUE, "total"), (0.2, "first", style.SKY, "first order"),
     ):  # fmt: skip
         values = rows[column].clip(lower=0.0).to_numpy()
         panel.barh(places + shift, values, 0.36, color=colour, label=words)
@@ -215,7 +215,7 @@ def _indices(panel: Axes, indices: pd.DataFrame) -> None:
 
 
 def _exponents(panel: Axes, exponents: pd.DataFrame) -> None:
-    """Exponents of quantities, and the law in dimensionless groups."""
+    """Exponents of quantities and groups, and the equation of the power law."""
     known = exponents.set_index("term")
     quantities = exponents[exponents["kind"] == "quantity"]
     groups = exponents[
@@ -263,7 +263,7 @@ def _label_of(row) -> Label:
 
 
 def _law(known: pd.DataFrame) -> str:
-    """The law in mathematical text, two lines."""
+    """The equation of the power law in mathematical text, in two lines."""
     value = known["exponent"]
     powers = [
         (r"Fr", "log_froude"), (r"(R/H)", "log_size"), (r"L", "log_loading"),

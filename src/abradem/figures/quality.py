@@ -1,4 +1,4 @@
-"""How well the wear rates of a study are known."""
+"""Quality of the wear rates: standard errors, and R2 of the cumulative wear."""
 
 from __future__ import annotations
 
@@ -11,28 +11,35 @@ from abradem.figures import style
 
 
 def draw(dataset: pd.DataFrame, target_stderr: float, good_r2: float) -> Figure:
-    """`quality_figure` of a data set."""
+    """Draw `quality_figure` for a data set."""
     return quality_figure(quality_table(dataset), target_stderr, good_r2)
 
 
 def quality_table(rates: pd.DataFrame) -> pd.DataFrame:
-    """Per case: case_id, relative_stderr of the plate mean (1), wear_r2 (1), quality."""
+    """Quality of the wear rate of each case.
+
+    Returns
+    -------
+    pandas.DataFrame
+        case_id, relative_stderr (of the plate mean, dimensionless), wear_r2 (dimensionless),
+        quality.
+    """
     table = rates[["case_id", "wear_r2", "quality"]].copy()
     table.insert(1, "relative_stderr", rates["wear_total_mean_stderr"] / rates["wear_total_mean"])
     return table
 
 
 def quality_figure(quality: pd.DataFrame, target_stderr: float, good_r2: float = 0.95) -> Figure:
-    """How well the wear rates are known: standard errors, and R2 of the cumulative series.
+    """Histograms of the standard errors and of R2 of the cumulative series.
 
     Parameters
     ----------
     quality : pandas.DataFrame
         From `abradem.figures.quality.quality_table`.
     target_stderr : float
-        Relative standard error that the simulations aim at.
+        Target of the relative standard error of the simulations.
     good_r2 : float
-        R2 from which a series counts as good.
+        Smallest R2 of a series that counts as good.
 
     Returns
     -------
@@ -55,7 +62,7 @@ def quality_figure(quality: pd.DataFrame, target_stderr: float, good_r2: float =
         left.set_xlabel("Relative standard error (%)")
         left.set_ylabel("Cases")
 
-        # R2 crowds below 1: its distance from 1 shows on a logarithmic axis.
+        # R2 is close to 1, so 1 - R2 is shown on a logarithmic axis.
         distance = np.clip(1.0 - scores, 1e-8, None)
         limit = max(1.0 - good_r2, 1e-8)
         ends = [min(distance.min(initial=limit), limit), max(distance.max(initial=limit), limit)]
@@ -72,7 +79,7 @@ def quality_figure(quality: pd.DataFrame, target_stderr: float, good_r2: float =
             0.03, 0.97, f"{good} of {len(quality)} cases\nwith $R^2 \\geq$ {good_r2:g}",
             transform=right.transAxes, va="top", fontsize=7.0,
         )  # fmt: skip
-        right.set_title(f"{style.letter(1)} straightness of the cumulative wear", loc="left")
+        right.set_title(f"{style.letter(1)} linearity of the cumulative wear", loc="left")
         right.set_xlabel(r"$1 - R^2$ of the cumulative series")
         right.set_ylabel("Cases")
         for panel in (left, right):
@@ -80,8 +87,8 @@ def quality_figure(quality: pd.DataFrame, target_stderr: float, good_r2: float =
             panel.set_ylim(0.0, 1.3 * panel.get_ylim()[1])
         style.caption(
             figure,
-            f"{len(quality)} cases; dashed: standard error aimed at, stated $R^2$; "
-            r"$R^2$ of a cumulative series is near 1 whatever happens: it only describes",
+            f"{len(quality)} cases; dashed: target standard error, stated $R^2$; "
+            r"$R^2$ of a cumulative series is always near 1 and only descriptive",
         )
     return figure
 
@@ -90,7 +97,7 @@ _BINS_PER_DECADE = 6
 
 
 def _bins(largest: float, aim: float) -> np.ndarray:
-    """About 30 equal bins from 0 to the largest value, one edge at the value aimed at."""
+    """About 30 equal bins from 0 to the largest value, with one edge at the target."""
     reach = max(largest / aim, 2.0)
     width = aim / max(1, int(30 / reach)) * max(1, int(np.ceil(reach / 30)))
     return width * np.arange(int(np.ceil(reach * aim / width)) + 1)

@@ -1,4 +1,4 @@
-"""Models beyond the ranges that they learned from, and on every target."""
+"""Extrapolation beyond the training ranges, and scores for all wear rates."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from abradem.words.labels import MODELS
 
 
 def reach_figure(extrapolation: pd.DataFrame, targets: pd.DataFrame, table: str) -> Figure:
-    """Beyond the ranges learned from, and every target.
+    """R2 of extrapolation beyond the training ranges, and R2 for all wear rates.
 
     Parameters
     ----------
-    extrapolation, targets : pandas.DataFrame
-        From `abradem.learning.physical.reach.extrapolate` and `abradem.learning.physical.models.all_targets`.
+    extrapolation : pandas.DataFrame
+        From `abradem.learning.physical.reach.extrapolate`.
+    targets : pandas.DataFrame
+        From `abradem.learning.physical.models.all_targets`.
     table : str
-        Name of the table learned from.
+        Name of the data set.
     """
     with style.style():
         figure = style.new_figure(style.PAGE, 2.9)
@@ -29,10 +31,10 @@ def reach_figure(extrapolation: pd.DataFrame, targets: pd.DataFrame, table: str)
         _targets(right, targets)
         style.caption(
             figure,
-            f"table: {table}. (a) filled: rows beyond the bound, models trained on the others; "
+            f"data set: {table}. (a) filled: rows beyond the bound, models trained on the others; "
             "open: the same rows by cross-validation over all rows; number: share of the rows "
-            "beyond inside the process's 95 % intervals. (b) Gaussian process, median over splits "
-            "of $R^2$ on the raw target (in brackets: of its logarithm)",
+            "beyond the bound inside the 95 % intervals of the Gaussian process. (b) Gaussian "
+            "process, median over the splits of $R^2$ (in brackets: $R^2$ of the logarithm)",
         )
     return figure
 
@@ -40,7 +42,7 @@ def reach_figure(extrapolation: pd.DataFrame, targets: pd.DataFrame, table: str)
 def _beyond(panel: Axes, extrapolation: pd.DataFrame) -> None:
     panel.set_title(f"{style.letter(0)} extrapolation", loc="left")
     if extrapolation.empty:
-        style.say_nothing_to_show(panel, "too few rows to hold a range out")
+        style.say_nothing_to_show(panel, "too few rows to hold out a range")
         return
     tests = list(dict.fromkeys(extrapolation["test"]))
     models = list(dict.fromkeys(extrapolation["model"]))
@@ -74,14 +76,15 @@ def _beyond(panel: Axes, extrapolation: pd.DataFrame) -> None:
     panel.set_xlabel("$R^2$")
     panel.legend(
         handles=[
-            Line2D([], [], marker="o", ms=4.0, color=style.MODEL_COLOURS[m], label=MODELS[m]) for m in models
+            Line2D([], [], marker="o", ms=4.0, color=style.MODEL_COLOURS[m], label=MODELS[m])
+            for m in models
         ],
         loc="upper center", bbox_to_anchor=(0.4, -0.22), ncols=3, columnspacing=1.0,
     )  # fmt: skip
 
 
 def _targets(panel: Axes, targets: pd.DataFrame) -> None:
-    panel.set_title(f"{style.letter(1)} every target", loc="left")
+    panel.set_title(f"{style.letter(1)} all wear rates", loc="left")
     rows = targets[targets["model"] == "gaussian_process"].set_index("target")
     measures = [r for r in ("total", "sliding", "friction") if f"wear_{r}_mean" in rows.index]
     statistics = [

@@ -1,10 +1,10 @@
-"""A picture of spheres over a plate: rays from an eye, exact silhouettes, shading, shadows.
+"""Ray casting of spheres above a plate, with exact outlines, shading and shadows.
 
-Plotting libraries draw a sphere as a set of polygons sorted by depth, which fails where particles
-touch particles or the plate. Here every pixel gets the nearest surface that its ray meets; spheres
-and parallelograms need nothing but the roots of a quadratic and of a linear equation. Lengths
-are metres, y is up, and the plate is that of `abradem.dem.plate`: centre at the origin, rising
-along +x for positive angles.
+Plotting libraries draw a sphere as polygons sorted by depth, which fails where particles touch
+each other or the plate. Here every pixel shows the nearest surface on its ray; the intersection
+with a sphere is the root of a quadratic equation, that with a parallelogram of a linear one.
+Lengths are in metres and y points up. The plate is that of `abradem.dem.plate`: its centre is the
+origin, and for positive angles it rises along +x.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 
 LIGHT = np.array([0.35, -1.0, -0.45]) / np.linalg.norm([0.35, -1.0, -0.45])
-"""Direction in which the light shines."""
+"""Direction of the light."""
 
 PARTICLE = np.array([0.53, 0.58, 0.64])
 STEEL = np.array([0.72, 0.73, 0.75])
 PATCH = np.array([0.0, 0.447, 0.698])
 
 SLAB = 0.03
-"""Thickness of the drawn plate as a share of its length; the simulated one has none."""
+"""Thickness of the drawn plate divided by its length; the simulated plate has no thickness."""
 
 _SHADOW_CELLS = 480
 _AMBIENT, _DIFFUSE, _GLOSS = 0.42, 0.62, 0.28
@@ -30,15 +30,16 @@ _AMBIENT, _DIFFUSE, _GLOSS = 0.42, 0.62, 0.28
 
 @dataclass(frozen=True)
 class Camera:
-    """An eye that looks at a point; pictures are ``width`` by ``height`` pixels.
+    """A perspective camera.
 
     Parameters
     ----------
     eye, target : ndarray, shape (3,)
-        m.
+        Position of the camera, and the point that it looks at, m.
     view : float
-        Height of what is seen at the distance of the target, m.
+        Height of the field of view at the distance of the target, m.
     width, height : int
+        Size of the picture, pixels.
     """
 
     eye: np.ndarray
@@ -49,7 +50,7 @@ class Camera:
 
     @property
     def axes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Unit vectors to the right, up and forward."""
+        """Unit vectors to the right, up and forward, each of shape (3,)."""
         forward = (self.target - self.eye) / np.linalg.norm(self.target - self.eye)
         right = np.cross(forward, (0.0, 1.0, 0.0))
         right /= np.linalg.norm(right)
@@ -57,11 +58,11 @@ class Camera:
 
     @property
     def focal(self) -> float:
-        """Pixels per unit of tangent."""
-        return self.height * np.linalg.norm(self.target - self.eye) / self.view
+        """Focal length in pixels."""
+        return self.height * float(np.linalg.norm(self.target - self.eye)) / self.view
 
     def project(self, points) -> np.ndarray:
-        """Pixels (x to the right, y down, from the upper left corner) of points, shape (n, 2)."""
+        """Pixel coordinates of points (n, 3), shape (n, 2): right and down from the upper left."""
         right, up, forward = self.axes
         away = np.atleast_2d(np.asarray(points, dtype=float)) - self.eye
         depth = away @ forward
@@ -70,7 +71,10 @@ class Camera:
         return np.column_stack([x, y])
 
     def rays(self, rows: slice, columns: slice) -> np.ndarray:
-        """Directions through the middles of pixels, of length 1 along the line of sight."""
+        """Directions through the centres of pixels, shape (rows, columns, 3).
+
+        Their component along the line of sight is 1.
+        """
         right, up, forward = self.axes
         x = (np.arange(columns.start, columns.stop) + 0.5 - 0.5 * self.width) / self.focal
         y = (0.5 * self.height - np.arange(rows.start, rows.stop) - 0.5) / self.focal
@@ -107,7 +111,15 @@ class DrawnPlate:
         return np.array([-self.along[1], self.along[0], 0.0])
 
     def point(self, along: float, across: float, above: float = 0.0) -> np.ndarray:
-        """Place at shares of half the length and half the width, and metres above the face."""
+        """Point on or above the plate, shape (3,), m.
+
+        Parameters
+        ----------
+        along, across : float
+            From -1 to 1 over the length and over the width.
+        above : float
+            Height above the upper face, m.
+        """
         return (
             0.5 * along * self.length * self.along
             + above * self.normal
@@ -122,7 +134,7 @@ def tilted(angle: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Patch:
-    """The patch from which the particles come: extents (m), height of its centre (m), angle (deg)."""
+    """The factory patch: length, width and height of its centre (m), and angle (degrees)."""
 
     length: float
     width: float
@@ -130,7 +142,7 @@ class Patch:
     angle: float
 
     def corners(self) -> np.ndarray:
-        """Its corners in order, shape (4, 3), m."""
+        """The corners in order, shape (4, 3), m."""
         along = 0.5 * self.length * tilted(self.angle)
         across = np.array([0.0, 0.0, 0.5 * self.width])
         centre = np.array([0.0, self.height, 0.0])
@@ -146,27 +158,27 @@ def picture(
     tints: np.ndarray | None = None,
     finer: int = 2,
 ) -> np.ndarray:
-    """Draw spheres over a plate.
+    """Draw spheres above a plate.
 
     Parameters
     ----------
     camera : Camera
     plate : DrawnPlate
     centres : ndarray, shape (n, 3)
-        m.
+        Centres of the spheres, m.
     radius : float
         m.
     patch : Patch, optional
-        Drawn transparent.
+        Drawn semi-transparent.
     tints : ndarray, shape (n,), optional
-        Factor on the brightness of each sphere.
+        Factor for the brightness of each sphere.
     finer : int
-        Rays along each edge of a pixel, whose mean it shows.
+        Rays along each edge of a pixel; the pixel shows their mean.
 
     Returns
     -------
     ndarray, shape (height, width, 3)
-        Colours, 0 to 1, on white.
+        Colours from 0 to 1, on a white background.
     """
     fine = Camera(
         camera.eye, camera.target, camera.view, camera.width * finer, camera.height * finer
@@ -185,13 +197,13 @@ def picture(
 
 
 def _lit(normals: np.ndarray, shadow=0.0) -> np.ndarray:
-    """Brightness of surfaces: light from above everywhere, and directed light."""
+    """Brightness of surfaces from ambient and directed light."""
     sky = _AMBIENT * (0.8 + 0.2 * normals[..., 1])
     return sky + _DIFFUSE * np.clip(-(normals @ LIGHT), 0.0, 1.0) * (1.0 - shadow)
 
 
 def _window(corners: np.ndarray, camera: Camera) -> tuple[slice, slice] | None:
-    """Rows and columns of the picture that hold some pixels; None if it holds none."""
+    """Rows and columns of the picture around some pixels; None if all are outside of it."""
     low = np.floor(corners.min(axis=0)).astype(int) - 1
     high = np.ceil(corners.max(axis=0)).astype(int) + 2
     columns = slice(max(low[0], 0), min(high[0], camera.width))
@@ -206,7 +218,7 @@ def _draw_sphere(image, depth, camera, centre, radius, colour) -> None:
     away = float((centre - camera.eye) @ forward)
     if away <= radius:
         return
-    # In perspective a sphere is a little wider than its projected centre line.
+    # In perspective the outline is slightly larger than the projected radius.
     half = 1.15 * camera.focal * radius / (away - radius)
     middle = camera.project(centre)[0]
     window = _window(np.array([middle - half, middle + half]), camera)
@@ -232,7 +244,7 @@ def _draw_sphere(image, depth, camera, centre, radius, colour) -> None:
 
 
 def _meet(camera, corner, edge_u, edge_v):
-    """Where rays meet a parallelogram: window, depth, shares along the edges, whether met."""
+    """Intersection of rays and parallelogram: window, depth, shares along the edges, hits."""
     corners = np.array([corner, corner + edge_u, corner + edge_v, corner + edge_u + edge_v])
     window = _window(camera.project(corners), camera)
     if window is None:
@@ -276,7 +288,7 @@ def _draw_plate(image, depth, camera, plate, shadows) -> None:
     i = _cells(u[seen], plate.colours.shape[0])
     j = _cells(v[seen], plate.colours.shape[1])
     shadow = shadows[_cells(u[seen], _SHADOW_CELLS), _cells(v[seen], _SHADOW_CELLS)]
-    # The map is to be read by its colours, so the slope's light does not change them.
+    # The colours of the wear map are data, so the light on the slope does not change them.
     brightness = 1.0 - 0.45 * shadow
     if (camera.eye @ up) < 0.0:
         image[window][seen] = _lit(-up) * STEEL
@@ -290,7 +302,7 @@ def _cells(share: np.ndarray, count: int) -> np.ndarray:
 
 
 def _shadows(plate, centres, radius) -> np.ndarray:
-    """Share of the directed light that spheres keep from the plate, on a grid of its face."""
+    """Share of the directed light that the spheres block, on a grid over the upper face."""
     frame = np.array([plate.along, plate.normal, [0.0, 0.0, 1.0]])
     light = frame @ LIGHT
     kept = np.zeros((_SHADOW_CELLS, _SHADOW_CELLS))
@@ -301,7 +313,7 @@ def _shadows(plate, centres, radius) -> np.ndarray:
         height = place[1]
         if height <= 0.0:
             continue
-        # The edge of a shadow is the softer the higher the particle.
+        # Shadows of higher particles have softer edges.
         soft = 0.15 * radius + 0.12 * height
         foot = place[[0, 2]] - light[[0, 2]] * height / light[1]
         reach = (radius + soft) / -light[1]

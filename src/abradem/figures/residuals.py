@@ -1,4 +1,4 @@
-"""What the linear equation leaves, and how features depend on each other."""
+"""Residuals of the linear regression, and dependence among the features."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from abradem.figures import style
 
 HIGH_INFLATION = 10.0
-"""From here on a variance inflation factor is commonly called high."""
+"""Variance inflation factors above this value are commonly called high."""
 
 
 def residuals_figure(residuals: pd.DataFrame, coefficients: pd.DataFrame, model: dict) -> Figure:
@@ -20,7 +20,7 @@ def residuals_figure(residuals: pd.DataFrame, coefficients: pd.DataFrame, model:
     residuals, coefficients : pandas.DataFrame
         From `abradem.learning.baselines.linear.fit_linear`.
     model : dict
-        Its summary.
+        Summary of the model.
 
     Returns
     -------
@@ -34,10 +34,10 @@ def residuals_figure(residuals: pd.DataFrame, coefficients: pd.DataFrame, model:
         figure.legend(handles=style.feature_handles(), loc="outside upper right", ncols=2)
         style.caption(
             figure,
-            f"least squares on all {len(residuals)} rows: a description, without training and test "
-            f"rows, hence the same under both protocols; p of the test of Breusch and Pagan, small "
-            "where the scatter depends on the features; dashed in (b): normal, in (c): "
-            f"{HIGH_INFLATION:g}",
+            f"least squares on all {len(residuals)} rows, descriptive, without training and test "
+            f"rows, hence the same under both protocols; p of the Breusch-Pagan test, small if the "
+            "variance of the residuals depends on the features; dashed in (b): normal "
+            f"distribution, in (c): {HIGH_INFLATION:g}",
         )
     return figure
 
@@ -50,7 +50,7 @@ def _against_fitted(panel, residuals: pd.DataFrame, model: dict) -> None:
     panel.set_xlabel("Fitted wear (standard deviations)")
     panel.set_ylabel("Residual (standard deviations)")
     p_value = model["breusch_pagan"]["p_value"]
-    words = "cannot be tested"
+    words = "not computable"
     if p_value is not None and np.isfinite(p_value):
         size = f"= {p_value:.2g}" if p_value >= 1e-4 else r"< $10^{-4}$"
         size = size if "e" not in size else f"= {style.number(p_value, 2)}"
@@ -61,14 +61,14 @@ def _against_fitted(panel, residuals: pd.DataFrame, model: dict) -> None:
 def _quantiles(panel, residuals: pd.DataFrame) -> None:
     expected, found = residuals["normal_quantile"], residuals["studentised"]
     if not np.isfinite(found).any():
-        style.say_nothing_to_show(panel, "no scatter to judge: as many coefficients as rows")
+        style.say_nothing_to_show(panel, "no residuals: as many coefficients as rows")
         return
     panel.scatter(expected, found, s=7, color=style.BLUE, lw=0, alpha=0.7)
     ends = np.array([expected.min(), expected.max()]) * 1.05
     panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.9)
     panel.set_xlabel("Quantile of the normal distribution")
     panel.set_ylabel("Studentised residual")
-    panel.set_title(f"{style.letter(1)} shape of the residuals", loc="left", fontsize=7.0)
+    panel.set_title(f"{style.letter(1)} distribution of the residuals", loc="left", fontsize=7.0)
 
 
 def _inflation(panel, coefficients: pd.DataFrame) -> None:

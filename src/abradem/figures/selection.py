@@ -1,4 +1,4 @@
-"""The features that the networks get."""
+"""Selection of the features of the networks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 
 
 def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
-    """The features chosen by weight and by loading, beside the study's own list.
+    """Features chosen by weight and by loading, compared with the list of the paper.
 
     Parameters
     ----------
@@ -46,9 +46,10 @@ def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
         style.caption(
             figure,
             f"{summary['count']} features, half by weight (larger of lasso and ridge), half by "
-            "squared loadings on the components that hold half of the variance; grey in (a, b): "
-            f"not chosen. Shared with the paper's 12: {shared[AS_PUBLISHED]} as published (all "
-            f"rows, min-max scaling), {shared[LEAKAGE_FREE]} leakage-free (training rows of the first split)",
+            "squared loadings on the components that explain half of the variance; grey in (a, b): "
+            f"not chosen. In common with the paper's 12: {shared[AS_PUBLISHED]} as published (all "
+            f"rows, min-max scaling), {shared[LEAKAGE_FREE]} leakage-free (training rows of the "
+            "first split)",
         )
     return figure
 
@@ -62,5 +63,5 @@ def _survival(panel, leakage_free) -> None:
     panel.plot(np.full(listed.sum(), 1.06), places[listed], "o", color=style.BLACK, ms=3.0)
     panel.set_xlim(0.0, 1.12)
     style.feature_rows(panel, leakage_free["feature"])
-    panel.set_xlabel("Share of splits that choose it")
+    panel.set_xlabel("Share of splits that select it")
     panel.set_title(f"{style.letter(2)} leakage-free; dot: paper's list", loc="left", fontsize=7.0)

@@ -1,4 +1,4 @@
-"""Which quantities the wear depends on."""
+"""Sensitivity of the wear to the sampled quantities."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def sensitivity_figure(
     indices, falls, dependence : pandas.DataFrame
         From `abradem.learning.physical.sensitivity`.
     table : str
-        Name of the table learned from.
+        Name of the data set.
     """
     wear = indices[indices["explained"] == "wear"].sort_values("total", ascending=False)
     order = list(wear["feature"])
@@ -52,7 +52,7 @@ def sensitivity_figure(
             handles=[
                 Patch(color=style.BLUE, label="total, wear"),
                 Patch(color=style.ORANGE, label="total, ln wear"),
-                Line2D([], [], marker="|", ls="", mew=1.2, color=style.BLACK, label="alone"),
+                Line2D([], [], marker="|", ls="", mew=1.2, color=style.BLACK, label="first order"),
             ],
             loc="lower right",
         )
@@ -87,9 +87,9 @@ def sensitivity_figure(
                 panel.set_ylabel(f"Wear ({style.scaled_unit(power, 'mm/s')})")
         style.caption(
             figure,
-            f"table: {table}; Gaussian process. (a) over the ranges of the table, all 14 sampled "
-            "quantities independent; bootstrap intervals of 95 %. (b) mean, least and largest of "
-            "the splits. From (c) on: geometric mean of the predicted wear depth rate over the "
-            "cases with one quantity set",
+            f"data set: {table}; Gaussian process. (a) over the ranges of the data set, all 14 "
+            "sampled quantities independent; 95 % bootstrap intervals. (b) mean, smallest and "
+            "largest of the splits. From (c) on: geometric mean of the predicted wear depth rate "
+            "over the cases, with one quantity set to the value shown",
         )
     return figure

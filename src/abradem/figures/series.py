@@ -1,4 +1,4 @@
-"""Wear depth against time, and how good the wear rates are."""
+"""Wear depth against time, with the fitted slopes."""
 
 from __future__ import annotations
 
@@ -28,10 +28,12 @@ def draw(
     shown: Sequence[int],
     min_batches: int,
 ) -> Figure:
-    """`series_figure` of the tables of batches, see `depth_series`."""
-    tables = (concatenate(parts) for parts in (series, runs, cases))
+    """Draw `series_figure` from the tables of the batches, see `depth_series`."""
+    records, ended, drawn = (concatenate(parts) for parts in (series, runs, cases))
     values = Setup.from_dict(setup)
-    return series_figure(*depth_series(*tables, values, shown, min_batches=min_batches))
+    return series_figure(
+        *depth_series(records, ended, drawn, values, shown, min_batches=min_batches)
+    )
 
 
 def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, measure: str = "total") -> Figure:
@@ -42,13 +44,13 @@ def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, measure: str = "tota
     curves, fits : pandas.DataFrame
         From `abradem.figures.series.depth_series`.
     measure : str
-        Named below the panels.
+        Wear measure, named in the caption.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Grey: the transient that was dropped; dashed: the fitted slope over the steady part,
-        whose value, standard error and R2 (a description) stand in the panel.
+        Grey: excluded transient; dashed: fitted slope over the steady part. Each panel states the
+        slope, its standard error and R2, which is only descriptive.
     """
     with style.style():
         if fits.empty:
@@ -64,15 +66,15 @@ def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, measure: str = "tota
             handles=[
                 Line2D([], [], color=style.BLUE, lw=1.4, label="simulated"),
                 Line2D([], [], color=style.BLACK, ls="--", lw=0.9, label="fitted slope"),
-                Patch(color=style.LIGHT_GREY, label="transient, dropped"),
+                Patch(color=style.LIGHT_GREY, label="transient, excluded"),
             ],
             loc="outside upper center",
             ncols=3,
         )
         style.caption(
             figure,
-            f"wear measure: {measure}; slope ± standard error from equal batches of the steady part; "
-            r"$R^2$ of the cumulative curve only describes",
+            f"wear measure: {measure}; slope ± standard error from batch means of the steady part; "
+            r"$R^2$ of the cumulative curve is only descriptive",
         )
     return figure
 
@@ -85,7 +87,7 @@ def _series_panel(panel, curve: pd.DataFrame, row: dict) -> None:
     unit = 10.0**power
     panel.plot(curve["time"], curve["wear_depth"] / unit, color=style.BLUE, lw=1.4)
     panel.set_xlim(0.0, curve["time"].max())
-    # Room above the curve for the words.
+    # Space above the curve for the text.
     panel.set_ylim(0.0, 1.45 * max(curve["wear_depth"].max() / unit, 1e-300))
     panel.set_xlabel("Time (s)")
     panel.set_ylabel(f"Mean depth ({style.scaled_unit(power, 'mm')})")
@@ -123,13 +125,13 @@ def depth_series(
     Parameters
     ----------
     series, runs, cases, setup
-        As for `wear_rates`; rows of other cases are ignored.
+        As for `abradem.wear.rates.wear_rates`; rows of other cases are ignored.
     shown : sequence of int
-        Cases, in the order wanted.
+        Cases, in the desired order.
     measure : str
         One of `abradem.quantities.WEAR_MEASURES`.
     min_batches : int
-        As for `wear_rates`.
+        Smallest number of batches for a standard error.
 
     Returns
     -------

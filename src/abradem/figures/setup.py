@@ -1,4 +1,4 @@
-"""The simulation set-up: plate, factory and particles as they are at one time, and the wear."""
+"""The simulation set-up: plate, factory and particles at one time, and the wear map."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ HEIGHT = 3.75
 
 _EYE = np.array([-0.32, 0.46, 0.83])
 _DISTANCE = 5.0
-"""Of the eye, in heights of what it sees: far, so that near particles are hardly larger."""
+"""Distance of the camera, in heights of the view: large, so that perspective effects are small."""
 
 _MARGIN = 1.12
 _PICTURE = (0.0, 0.07, 0.60, 0.93)
@@ -31,7 +31,7 @@ _MAP = (0.665, 0.28, 0.225, 0.225 * style.PAGE / HEIGHT)
 
 
 def draw(particles: pd.DataFrame, wear: pd.DataFrame, case: Mapping, setup: Mapping) -> Figure:
-    """Set-up of the last snapshot of a case.
+    """Draw `setup_figure` from the last snapshot of a case.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def setup_figure(
     case: Mapping[str, float],
     setup: Setup,
 ) -> Figure:
-    """Plate, factory and particles in three dimensions, and the wear map as call-out.
+    """Plate, factory and particles in three dimensions, with the wear map as a call-out.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def setup_figure(
         _annotate(scene, camera, plate, patch, case, setup)
         call_out = figure.add_axes(_MAP)
         mesh = wear_map_panel(call_out, depth / 10.0**power, top / 10.0**power, setup)
-        bar = figure.colorbar(mesh, cax=call_out.inset_axes([1.05, 0.0, 0.055, 1.0]))
+        bar = figure.colorbar(mesh, cax=call_out.inset_axes((1.05, 0.0, 0.055, 1.0)))
         bar.outline.set_linewidth(0.6)
         bar.set_label(f"Wear depth ({style.scaled_unit(power, 'mm')})")
         call_out.set_title(f"{style.letter(1)} wear after {time:.3g} s", loc="left")
@@ -117,24 +117,24 @@ def setup_figure(
 def worn_plate(
     depth: np.ndarray, top: float, case: Mapping[str, float], setup: Setup
 ) -> DrawnPlate:
-    """The plate coloured by its wear, yellow to red up to ``top`` (mm)."""
+    """The plate coloured by its wear depth (nx, nz), mm; the colours end at ``top``, mm."""
     colours = mpl.colormaps[style.WEAR_MAP](np.clip(depth / top, 0.0, 1.0))[..., :3]
     return DrawnPlate(setup.plate_length, setup.plate_width, case["plate_angle"], colours)
 
 
 def factory_patch(case: Mapping[str, float], setup: Setup) -> Patch:
-    """The patch from which the particles come."""
+    """The factory patch, from which the particles are released."""
     return Patch(setup.patch_length, setup.patch_width, setup.fall_height, case["factory_angle"])
 
 
 def particle_tints(identities) -> np.ndarray:
-    """Brightness of particles: a little different from one to the next, so that they tell apart."""
+    """Brightness factors (n,) of particles, slightly different so that they can be told apart."""
     golden = 0.618034
     return 1.1 + 0.3 * (np.asarray(identities) * golden % 1.0)
 
 
 def wear_map_panel(panel: Axes, depth: np.ndarray, top: float, setup: Setup):
-    """Map of the plate in its own plane; returns the coloured mesh."""
+    """Draw the wear map of the plate in its own plane; returns the coloured mesh."""
     x = 1e3 * np.linspace(-0.5, 0.5, depth.shape[0] + 1) * setup.plate_length
     z = 1e3 * np.linspace(-0.5, 0.5, depth.shape[1] + 1) * setup.plate_width
     mesh = panel.pcolormesh(x, z, depth.T, cmap=style.WEAR_MAP, vmin=0.0, vmax=top, rasterized=True)
@@ -148,7 +148,7 @@ def wear_map_panel(panel: Axes, depth: np.ndarray, top: float, setup: Setup):
 
 
 def _camera(plate: DrawnPlate, patch: Patch, scene: Axes) -> Camera:
-    """An eye that sees the whole plate and the patch, and pixels enough for print."""
+    """A camera that shows the whole plate and the patch, with sufficient pixels for print."""
     box = scene.get_window_extent()
     scale = style.DPI / scene.figure.dpi
     width, height = round(box.width * scale), round(box.height * scale)
@@ -160,7 +160,7 @@ def _camera(plate: DrawnPlate, patch: Patch, scene: Axes) -> Camera:
     view = float(np.ptp(shown, axis=0).max())
     camera = Camera(target + _DISTANCE * view * eye, target, view, width, height)
     pixels = camera.project(shown)
-    # Move the middle of what is shown to the middle of the picture, then fit it.
+    # Centre the scene in the picture, then adjust the field of view.
     right, up, _ = camera.axes
     centre = 0.5 * (pixels.min(axis=0) + pixels.max(axis=0)) - 0.5 * np.array([width, height])
     target = target + (centre[0] * right - centre[1] * up) * view / height
@@ -190,7 +190,7 @@ def _annotate(scene, camera, plate, patch, case, setup) -> None:
         ha="left", va="bottom", shift=(12, -1),
     )  # fmt: skip
 
-    # The height of fall stands beside the jet, in the plane of the picture's middle.
+    # The fall height is drawn beside the jet, in the plane through the centre of the plate.
     foot = np.array([0.62 * plate.length * plate.along[0], 0.0, 0.0])
     head = foot + np.array([0.0, setup.fall_height, 0.0])
     for height, end in ((0.0, foot), (setup.fall_height, head)):
@@ -259,7 +259,7 @@ def _words(particles: pd.DataFrame, case: Mapping[str, float], setup: Setup) -> 
         else f"{setup.number_rate:g} particles per second"
     )
     return (
-        f"{len(particles)} particles of {_number(1e3 * case['particle_radius'])} mm radius, {rate}; "
-        "all other quantities in the middle of their ranges; "
+        f"{len(particles)} particles of {_number(1e3 * case['particle_radius'])} mm radius, "
+        f"{rate}; all other quantities in the middle of their ranges; "
         f"{_symbol('archard_constant')} = {style.number(case['archard_constant'])} 1/Pa"
     )

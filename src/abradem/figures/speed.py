@@ -1,6 +1,8 @@
-"""Figures of the engine: what simulations cost, and where in time particles are stepped."""
+"""Performance of the engine: cost of simulations, and when each particle is stepped."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,29 +18,29 @@ _CODES = {
     "LIGGGHTS": (style.RED, "^"),
     "LAMMPS": (style.GREEN, "v"),
 }
-"""Colour and marker of each stepping of ours and of each other code."""
+"""Colour and marker of each stepping method of this engine and of each other code."""
 
 _MEANING = (
-    "A, M, B: 500 particles of 10 mm a second on plates at 45°, 20°, 0°; "
-    "D: 4 kg/s of 5 mm on a level one"
+    "A, M, B: 500 particles of 10 mm per second on plates at 45°, 20°, 0°; "
+    "D: 4 kg/s of 5 mm particles on a level plate"
 )
-"""What the letters of the scenarios stand for."""
+"""Definition of the scenarios."""
 
 _SCENARIOS = (style.BLUE, style.GREEN, style.ORANGE, style.RED, style.PURPLE)
 
 
 def _code_label(code: str) -> str:
-    return f"ours, {code}" if code in ("islands", "synchronous") else code
+    return f"abradem, {code}" if code in ("islands", "synchronous") else code
 
 
 def cost_figure(counts: pd.DataFrame, times: pd.DataFrame) -> Figure:
-    """Cost against the particles present, by code, and against simulated time, by scenario.
+    """Cost against the number of particles by code, and against simulated time by scenario.
 
     Parameters
     ----------
     counts : DataFrame
-        ``plate_angle`` (deg), ``particles`` (mean present), ``code``, ``cost`` (s for each simulated
-        second).
+        ``plate_angle`` (deg), ``particles`` (mean number present), ``code``, ``cost`` (s per
+        simulated second).
     times : DataFrame
         ``scenario``, ``simulated`` (s), ``spent`` (s).
     """
@@ -65,7 +67,7 @@ def cost_figure(counts: pd.DataFrame, times: pd.DataFrame) -> Figure:
         ):
             one = one[one["spent"] > 0.0]
             last.loglog(one["simulated"], one["spent"], color=colour, label=name)
-        last.set_title("scenarios, islands", loc="left")
+        last.set_title("scenarios (islands)", loc="left")
         last.set_xlabel("Simulated time (s)")
         last.set_ylabel("Computing time (s)")
         last.legend(title="scenario", title_fontsize=7.0, loc="upper left")
@@ -74,24 +76,24 @@ def cost_figure(counts: pd.DataFrame, times: pd.DataFrame) -> Figure:
             panel.grid(True, which="major", color=style.LIGHT_GREY, lw=0.5)
             panel.xaxis.set_minor_formatter(NullFormatter())
             panel.yaxis.set_minor_formatter(NullFormatter())
-        handles = {}
+        handles: dict[str, Any] = {}
         for panel in panels[:-1]:
             for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
                 handles.setdefault(label, handle)
         figure.legend(
-            handles.values(), handles.keys(), loc="outside upper center", ncols=len(handles)
+            list(handles.values()), list(handles), loc="outside upper center", ncols=len(handles)
         )
         style.caption(
             figure,
-            "(a, b) 10 mm particles at 3 m/s, the first second of jets of 30 to 3000 particles a second; "
-            "ours with wear, other codes without it and their run loop only; one core. "
-            f"(c) {_MEANING}",
+            "(a, b) 10 mm particles at 3 m/s, first second of jets of 30 to 3000 particles per "
+            "second; abradem with wear, other codes without wear and only their run loop; one "
+            f"core. (c) {_MEANING}",
         )
         return figure
 
 
 def rates_figure(rates: pd.DataFrame) -> Figure:
-    """Steps of particles and of contacts a second, and the share of the limit, by scenario.
+    """Particle steps and contact steps per second, and share of the limit, by scenario.
 
     Parameters
     ----------
@@ -131,7 +133,7 @@ def rates_figure(rates: pd.DataFrame) -> Figure:
         figure.legend(handles, labels, loc="outside upper center", ncols=2)
         style.caption(
             figure,
-            "limit: steps in contact, each at what it costs where nothing but contacts happens. "
+            "limit: steps in contact only, each at its cost when nothing else is computed. "
             f"{_MEANING}",
         )
         return figure
@@ -139,32 +141,32 @@ def rates_figure(rates: pd.DataFrame) -> Figure:
 
 _TOUCH = {
     "asleep": (style.SKY, 0.7, "asleep"),
-    "awake": (style.BLACK, 2.0, "awake, touches nothing"),
-    "plate": (style.BLUE, 4.0, "touches the plate"),
-    "particle": (style.RED, 4.0, "touches another"),
+    "awake": (style.BLACK, 2.0, "awake, no contact"),
+    "plate": (style.BLUE, 4.0, "plate contact"),
+    "particle": (style.RED, 4.0, "particle contact"),
 }
-"""Colour, width and words of what a particle does."""
+"""Colour, line width and label of each state of a particle."""
 
 
 def islands_figure(spans: pd.DataFrame, contacts: pd.DataFrame, zooms) -> Figure:
-    """When each particle of a small scene is stepped: a line over time for each.
+    """State of each particle of a small scene over time: asleep, awake or in contact.
 
     Parameters
     ----------
     spans : DataFrame
-        ``particle``, ``begin``, ``end`` (s), ``does`` (asleep, awake, plate, particle): what each
-        particle does from begin to end.
+        ``particle``, ``begin``, ``end`` (s), ``does`` (asleep, awake, plate, particle): state of
+        the particle from begin to end.
     contacts : DataFrame
         ``particle``, ``partner``, ``begin``, ``end`` (s): contacts between particles.
     zooms : sequence of tuple of float
-        Begin and end (s) of each panel, each within the one before.
+        Begin and end (s) of each panel, each within the previous one.
     """
     with style.style():
         figure = style.new_figure(style.PAGE, 0.9 + 1.6 * len(zooms))
         panels = figure.subplots(len(zooms), 1, squeeze=False)[:, 0]
         count = int(spans["particle"].max()) + 1
         for index, (panel, (begin, end)) in enumerate(zip(panels, zooms, strict=True)):
-            # A contact shorter than a point of the page is drawn a point long.
+            # Contacts shorter than a point on the page are drawn with the length of a point.
             least = 1e3 * (end - begin) / (72.0 * style.PAGE)
             for does, (colour, width, _) in _TOUCH.items():
                 part = spans[(spans["does"] == does) & (spans["end"] > begin)]

@@ -1,8 +1,8 @@
-"""How every figure looks: widths, fonts, colours, panel letters, labels with units, saving.
+"""Common style of the figures: widths, fonts, colours, panel letters, labels with units, saving.
 
-Figures are made with matplotlib's Figure class, without pyplot: no state, no display. Widths
-are those of a journal's single and double column, text is 7 to 8 points at that width, and
-colours are those of Okabe and Ito, which the colour-blind tell apart.
+Figures are made with the Figure class of matplotlib instead of pyplot, without global state or
+display. Widths are those of a single and a double column of a journal, text has 6.5 to 8 points at
+that width, and the colours are those of Okabe and Ito, which colour-blind readers can distinguish.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import string
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -48,7 +49,7 @@ PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK)
 WEAR_MAP = "YlOrRd"
 """Colours of depth maps, yellow to red."""
 
-_SETTINGS = {
+_SETTINGS: Any = {
     "font.family": "DejaVu Sans",
     "mathtext.fontset": "dejavusans",
     "font.size": 8.0,
@@ -91,7 +92,7 @@ _UNITS = {
 
 @contextlib.contextmanager
 def style() -> Iterator[None]:
-    """Settings of this package on matplotlib's own defaults, whatever the user's are."""
+    """Use the settings of this package on top of the defaults of matplotlib, not the user's."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)
@@ -99,55 +100,55 @@ def style() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure, ``width`` by ``height`` inches, whose parts make room for each other."""
-    figure = Figure(figsize=(width, height), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.05, h_pad=0.05, wspace=0.04, hspace=0.03)
+    """An empty figure of ``width`` by ``height`` inches with constrained layout."""
+    figure = Figure(figsize=(width, height))
+    figure.set_layout_engine("constrained", w_pad=0.05, h_pad=0.05, wspace=0.04, hspace=0.03)
     return figure
 
 
 def unit_text(unit: str) -> str:
-    """A unit as printed; "" where dimensionless."""
+    """A unit as printed; "" for dimensionless quantities."""
     return _UNITS.get(unit, unit)
 
 
 def with_unit(words: str, unit: str) -> str:
-    """Words of an axis with the unit in brackets, if there is one."""
+    """Text of an axis label with the unit, if there is one, in brackets."""
     printed = unit_text(unit)
     return f"{words} ({printed})" if printed else words
 
 
 def axis_label(name: str) -> str:
-    """Axis label of a quantity of the table: what it is, its symbol, its unit."""
+    """Axis label of a quantity: name, symbol and unit."""
     tex, long_name = LABELS[name]
     return with_unit(f"{long_name[0].upper()}{long_name[1:]} ${tex}$", quantity(name).unit)
 
 
 def short_label(name: str) -> str:
-    """Words and symbol of a quantity, short enough for a tick."""
+    """Name and symbol of a quantity, short enough for a tick label."""
     tex, long_name = LABELS[name]
     words = long_name.removeprefix("coefficient of ").removesuffix(" (vertical)")
     return f"{words}  ${tex}$"
 
 
 def feature_rows(panel: Axes, names: Sequence[str]) -> None:
-    """A panel with one row for each feature, the first on top."""
+    """Label the vertical axis with one row for each feature, the first at the top."""
     panel.set_yticks(range(len(names)), [feature_label(name) for name in names], fontsize=6.5)
     panel.tick_params(axis="y", length=0)
     panel.set_ylim(len(names) - 0.4, -0.6)
 
 
 def minus(text: str) -> str:
-    """A number's text with a minus sign."""
+    """The text of a number with hyphens replaced by minus signs."""
     return text.replace("-", "\N{MINUS SIGN}")
 
 
 def feature_colours(names: Iterable[str]) -> list[str]:
-    """Colour of each feature: whether it is sampled or derived from sampled ones."""
+    """Colour of each feature, which depends on whether it is sampled or derived."""
     return [ORANGE if quantity(name).kind == "derived" else BLUE for name in names]
 
 
 def feature_handles() -> list[Patch]:
-    """What a legend says about `feature_colours`."""
+    """Legend handles for `feature_colours`."""
     return [
         Patch(color=BLUE, label="sampled feature"),
         Patch(color=ORANGE, label="derived feature (a function of sampled ones)"),
@@ -155,7 +156,7 @@ def feature_handles() -> list[Patch]:
 
 
 def letter(index: int) -> str:
-    """(a), (b), ... in bold, for the beginning of a panel's title."""
+    """Panel letter (a), (b), ... in bold, for the beginning of a title."""
     text = ""
     index += 1
     while index:
@@ -165,19 +166,19 @@ def letter(index: int) -> str:
 
 
 def decade(largest: float) -> int:
-    """Power of ten, a multiple of three, that brings ``largest`` between 1 and 1000."""
+    """Power of ten, a multiple of three, that scales ``largest`` to between 1 and 1000."""
     if not (math.isfinite(largest) and largest > 0.0):
         return 0
     return 3 * math.floor(math.log10(largest * (1.0 + 1e-12)) / 3.0)
 
 
 def scaled_unit(power: int, unit: str) -> str:
-    """A unit with the power of ten that was taken out of the numbers."""
+    """A unit with the power of ten by which the numbers were divided."""
     return f"$10^{{{power}}}$ {unit_text(unit)}" if power else unit_text(unit)
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number as printed: with a minus sign, as a product with a power of ten if need be."""
+    """A number as printed, with a minus sign and, if necessary, a power of ten."""
     if not math.isfinite(value):
         return "n/a"
     text = f"{value:.{digits}g}"
@@ -188,7 +189,7 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def with_error(value: float, error: float, unit: str) -> str:
-    """A value and its standard error with the digits that the error leaves, and the unit."""
+    """A value and its standard error, rounded to two digits of the error, with the unit."""
     if not math.isfinite(value):
         return "n/a"
     power = math.floor(math.log10(abs(value))) if value else 0
@@ -206,7 +207,7 @@ def with_error(value: float, error: float, unit: str) -> str:
 
 
 def title_case(panel: Axes, index: int, row) -> None:
-    """Title of a panel that shows one case: its letter and number, and what matters most."""
+    """Title of a panel for one case: panel letter, number of the case and main quantities."""
     angle, radius = row["plate_angle"], 1e3 * row["particle_radius"]
     panel.set_title(
         f"{letter(index)} case {row['case_id']:d}\n$\\varphi$ = {angle:.0f}°, "
@@ -222,7 +223,7 @@ _ROOM = 0.35
 def panels(count: int, columns: int, height: float, width: float = PAGE) -> tuple[Figure, list]:
     """A figure of ``count`` panels in rows of ``columns``, each row ``height`` inches high.
 
-    Room for the caption and a legend comes on top.
+    Space for the caption and a legend is added to the height.
     """
     columns = max(1, min(columns, count))
     rows = -(-count // columns)
@@ -234,7 +235,7 @@ def panels(count: int, columns: int, height: float, width: float = PAGE) -> tupl
 
 
 def say_nothing_to_show(panel: Axes, words: str) -> None:
-    """An empty panel that says in words why it is empty."""
+    """Clear a panel and write in it why it is empty."""
     panel.set_axis_off()
     panel.text(
         0.5, 0.5, textwrap.fill(words, 26), transform=panel.transAxes, ha="center", va="center",
@@ -243,7 +244,7 @@ def say_nothing_to_show(panel: Axes, words: str) -> None:
 
 
 def caption(figure: Figure, text: str) -> None:
-    """Lines below the figure that state what was done with which rows, broken to its width."""
+    """Write a caption below the figure, wrapped to its width."""
     width = int(_CAPTION_LETTERS_PER_INCH * figure.get_figwidth())
     lines = [
         line
@@ -257,7 +258,7 @@ _CAPTION_LETTERS_PER_INCH = 19.5
 
 
 def save(figure: Figure, stem: str | Path, formats: Iterable[str] = FORMATS) -> list[Path]:
-    """Write a figure as ``stem.<format>``, complete or not at all, without dates.
+    """Write a figure as ``stem.<format>``, without dates; each file is complete or not written.
 
     Parameters
     ----------

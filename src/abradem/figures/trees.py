@@ -1,4 +1,4 @@
-"""The decision tree: how deep it may grow, and what the pruned one looks like."""
+"""The decision tree: scores against its depth, importance of features, and the pruned tree."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from abradem.words.labels import LABELS, PROTOCOLS
 
 LOWEST = -1.5
 DRAWN_DEPTH = 4
-"""Levels below the root that are drawn; deeper branches end in a word."""
+"""Number of levels drawn below the root; deeper branches end in an ellipsis."""
 
 
 def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: dict) -> Figure:
-    """R2 on training and test rows against the depth, and what the splits rest on.
+    """R2 on training and test rows against the depth, and the importance of the features.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
     """
     with style.style():
         figure, axes = style.panels(3, 3, 3.2)
-        # One scale for both, so that they compare.
+        # Both protocols have the same vertical axis.
         low = min(float(curve[["r2", "r2_lower"]].min().min()), 0.0)
         for index, protocol in enumerate((AS_PUBLISHED, LEAKAGE_FREE)):
             panel = axes[index]
@@ -43,7 +43,7 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
             panel.set_ylim(max(low - 0.1, LOWEST), 1.08)
             panel.axhline(0.0, color=style.BLACK, lw=0.5)
             panel.set_xlim(0.0, rows["depth"].max() + 1)
-            panel.set_xlabel("Largest depth")
+            panel.set_xlabel("Maximum depth")
             panel.set_ylabel("$R^2$")
             panel.set_title(
                 f"{style.letter(index)} tree, {PROTOCOLS[protocol]}", loc="left", fontsize=7.0
@@ -61,8 +61,9 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
         style.caption(
             figure,
             "as published: unscaled features, one split; at its best depth the tree splits "
-            f"{count} times on the wear constant. Leakage-free: standardised, median and central share "
-            "of the repeated splits. (c): share of the variance removed, all rows, leakage-free models",
+            f"{count} times on the wear constant. Leakage-free: standardised features, median and "
+            "central share of the repeated splits. (c) share of the variance removed, all rows, "
+            "leakage-free models",
         )
     return figure
 
@@ -80,7 +81,7 @@ def _importance_panel(panel, importance: pd.DataFrame) -> None:
 
 
 def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
-    """The pruned tree of all rows, drawn.
+    """The pruned tree of all rows.
 
     Parameters
     ----------
@@ -124,18 +125,18 @@ def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
         pruned = summary["pruned"]
         style.caption(
             figure,
-            f"protocol: leakage-free; all rows, standardised, pruned by cost and complexity with the "
+            f"protocol: leakage-free; all rows, standardised; cost-complexity pruning with the "
             f"cross-validated penalty {pruned['ccp_alpha']:.2g}: {pruned['leaves']} leaves, depth "
-            f"{pruned['depth']}; in each box the mean wear depth rate "
-            f"({style.scaled_unit(power, 'mm/s')}) and the number of rows"
-            + (f"; levels below {DRAWN_DEPTH} are left out" if pruned["depth"] > DRAWN_DEPTH
+            f"{pruned['depth']}; each box: mean wear depth rate "
+            f"({style.scaled_unit(power, 'mm/s')}) and number of rows"
+            + (f"; levels below {DRAWN_DEPTH} are not drawn" if pruned["depth"] > DRAWN_DEPTH
                else ""),
         )  # fmt: skip
     return figure
 
 
 def _places(rows: dict) -> dict[int, tuple[float, int]]:
-    """Where each drawn node stands: leaves side by side, a node above the middle of its two."""
+    """Position of each drawn node: leaves side by side, others centred above their children."""
     places: dict[int, tuple[float, int]] = {}
     columns = [0]
 

@@ -1,4 +1,4 @@
-"""The verification study at a glance: how much of its tolerance every check uses."""
+"""Overview of the verification study: the share of its tolerance that every check uses."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from abradem.verification.checks import HOLDS
 from abradem.verification.results_page import PARTS
 
 _LEAST = 1e-4
-"""Checks that use less of their tolerance stand at this end of the axis."""
+"""Lower end of the axis; checks that use less of their tolerance are drawn there."""
 
 
 def draw(checks: pd.DataFrame) -> Figure:
-    """`verdicts_figure` of the checks of `make verify`."""
+    """Draw `verdicts_figure` from the checks of `make verify`."""
     return verdicts_figure(margins(checks), PARTS, HOLDS)
 
 
 def verdicts_figure(margins: pd.DataFrame, parts: Mapping[int, str], holds: str) -> Figure:
-    """One dot for each check, by part of the study; right of the line it fails.
+    """One marker for each check, by part of the study; checks right of the line fail.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def verdicts_figure(margins: pd.DataFrame, parts: Mapping[int, str], holds: str)
     parts : mapping of int to str
         Names of the parts.
     holds : str
-        Verdict of a check that is passed.
+        Verdict of a check that holds.
     """
     with style.style():
         numbers = sorted(margins["part"].unique())
@@ -41,7 +41,7 @@ def verdicts_figure(margins: pd.DataFrame, parts: Mapping[int, str], holds: str)
             rows = margins[margins["part"] == number].sort_values("used")
             used = rows["used"].clip(lower=_LEAST).to_numpy()
             good = (rows["verdict"] == holds).to_numpy()
-            # Spread across the row in turn, so that equal ones do not hide each other.
+            # Spread over the height of the row, so that equal values do not hide each other.
             y = place + 0.26 * ((np.arange(len(rows)) * 0.618034) % 1.0 - 0.5) * 2.0
             panel.plot(used[good], y[good], "o", ms=3.0, color=style.BLUE, alpha=0.6, mew=0)
             panel.plot(used[~good], y[~good], "X", ms=5.0, color=style.RED)
@@ -58,9 +58,9 @@ def verdicts_figure(margins: pd.DataFrame, parts: Mapping[int, str], holds: str)
         count = int((margins["verdict"] == holds).sum())
         style.caption(
             figure,
-            f"{count} of {len(margins)} checks hold; difference from the reference over the "
-            "tolerance, of a bound the number over it; dashed: the limit; checks that use less "
-            f"than {_LEAST:g} stand on the left edge",
+            f"{count} of {len(margins)} checks hold; share used: difference from the reference / "
+            "tolerance, or value / bound; dashed: limit; checks that use less than "
+            f"{_LEAST:g} are drawn at the left edge",
         )
     return figure
 
@@ -71,13 +71,13 @@ def margins(checks: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     checks : pandas.DataFrame
-        As `abradem.verification.checks.checks_table` makes them, all parts together.
+        From `abradem.verification.checks.checks_table`, all parts together.
 
     Returns
     -------
     pandas.DataFrame
-        part, law, verdict and ``used``: absolute difference over tolerance; of a bound from
-        above ours over it, of a bound from below it over ours.
+        part, law, verdict and ``used`` (dimensionless): absolute difference / tolerance; for an
+        upper bound value / bound, for a lower bound bound / value.
     """
     ours, bound = (checks[name].abs().to_numpy(dtype=float) for name in ("ours", "reference"))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -86,6 +86,6 @@ def margins(checks: pd.DataFrame) -> pd.DataFrame:
             [ours / bound, bound / ours],
             checks["difference"].abs() / checks["tolerance"],
         )
-    # Nothing used of a tolerance of nothing.
+    # 0 / 0: an exact result with zero tolerance uses nothing.
     used = np.where(np.isnan(used) & (ours == bound), 0.0, used)
     return checks[["part", "law", "verdict"]].assign(used=used)

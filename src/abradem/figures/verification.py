@@ -1,8 +1,9 @@
-"""Figures of the verification study: ours as lines, what is known as dashes or points."""
+"""Figures of the verification study: results of this engine, closed forms and references."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,13 +21,13 @@ def _finish(figure: Figure, panels, caption: str, legend_of=None) -> Figure:
         for index, panel in enumerate(panels):
             panel.set_title(f"{style.letter(index)} {panel.get_title(loc='left')}", loc="left")
     shown = panels if legend_of is None else [legend_of]
-    handles = {}
+    handles: dict[str, Any] = {}
     for panel in shown:
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
     if handles:
         figure.legend(
-            handles.values(), handles.keys(), loc="outside upper center",
+            list(handles.values()), list(handles), loc="outside upper center",
             ncols=min(len(handles), 4 if figure.get_figwidth() > style.COLUMN + 0.1 else 2),
         )  # fmt: skip
     style.caption(figure, caption)
@@ -34,18 +35,18 @@ def _finish(figure: Figure, panels, caption: str, legend_of=None) -> Figure:
 
 
 def restitution_figure(restitution: pd.DataFrame) -> Figure:
-    """Damping and rebound against e for the three normal laws."""
+    """Damping and rebound against the restitution e for the three normal laws."""
     with style.style():
         figure, (left, right) = style.panels(2, 2, 2.2)
         e = restitution["restitution"]
-        left.plot(e, restitution["exact_beta"], color=style.BLUE, label="rebounds at e")
+        left.plot(e, restitution["exact_beta"], color=style.BLUE, label="exact restitution")
         left.plot(e, restitution["nominal_beta"], color=style.RED, label="textbook")
         left.set_title("damping", loc="left")
         left.set_xlabel("Restitution $e$")
         left.set_ylabel(r"$\beta$")
         for name, words, colour, marker in (
-            ("exact", "rebounds at e", style.BLUE, "o"),
-            ("clipped", "textbook, never attractive", style.GREEN, "s"),
+            ("exact", "exact restitution", style.BLUE, "o"),
+            ("clipped", "textbook, not attractive", style.GREEN, "s"),
             ("attractive", "textbook, attractive", style.PURPLE, "^"),
         ):
             right.plot(
@@ -54,7 +55,7 @@ def restitution_figure(restitution: pd.DataFrame) -> Figure:
         right.plot([0, 1], [0, 1], **_EXACT)
         right.set_title("rebound of a normal impact", loc="left")
         right.set_xlabel("Restitution $e$")
-        right.set_ylabel("Rebound over approach speed")
+        right.set_ylabel("Rebound / approach speed")
         for panel in (left, right):
             panel.set_xlim(0, 1)
             panel.set_ylim(0, None)
@@ -62,7 +63,7 @@ def restitution_figure(restitution: pd.DataFrame) -> Figure:
 
 
 def slip_figure(angles: pd.DataFrame) -> Figure:
-    """Elastic impacts over the angle, with the branch that slips throughout."""
+    """Elastic impacts against the angle, with the closed form for slip throughout."""
     labels = {
         "total": r"total / $m v^2$", "tangential": "$v_t'$ / $v$", "spin": r"$\omega' R$ / $v$",
     }  # fmt: skip
@@ -80,11 +81,11 @@ def slip_figure(angles: pd.DataFrame) -> Figure:
             panel.set_ylabel(words)
             panel.set_xlim(0, 90)
             panel.set_title(quantity, loc="left")
-        return _finish(figure, panels, "e = 1; dashed: closed form where the impact slips")
+        return _finish(figure, panels, "e = 1; dashed: closed form for slip throughout the impact")
 
 
 def convergence_figure(convergence: pd.DataFrame) -> Figure:
-    """Mean absolute error of each wear measure against the steps per contact."""
+    """Mean absolute error of each wear measure against the number of steps per contact."""
     with style.style():
         figure, (panel,) = style.panels(1, 1, 2.6, style.COLUMN)
         absolute = convergence.assign(error=convergence["error"].abs())
@@ -97,7 +98,7 @@ def convergence_figure(convergence: pd.DataFrame) -> Figure:
         panel.loglog(steps, 0.01 * (16.0 / steps), color=style.GREY, lw=0.7, ls=":",
                      label="first order")  # fmt: skip
         panel.set_xlabel("Steps per contact")
-        panel.set_ylabel("Mean error over the wear measure's mean")
+        panel.set_ylabel("Mean error / mean of the measure")
         panel.set_title("convergence", loc="left")
         return _finish(
             figure, [panel], "e = 0.2, 0.5, 0.8 and four angles, mean over the phase of entry"
@@ -105,20 +106,20 @@ def convergence_figure(convergence: pd.DataFrame) -> Figure:
 
 
 _AXES = {
-    "1": "Time over duration of contact", "2": "", "3": "Restitution $e$",
-    "4": "Impact angle (°)", "5": r"$v_t$ / ($\mu v_n$)", "6": "Spin before (rad/s)",
-    "7": "Spin before (rad/s)", "8": "Spin before (rad/s)",
+    "1": "Time / contact duration", "2": "", "3": "Restitution $e$",
+    "4": "Impact angle (°)", "5": r"$v_t$ / ($\mu v_n$)", "6": "Initial spin (rad/s)",
+    "7": "Initial spin (rad/s)", "8": "Initial spin (rad/s)",
 }  # fmt: skip
 _WORDS = {
-    "force over time": "Force over its exact largest", "force": "Largest force (N)",
-    "duration": "Duration (s)", "rebound": "Rebound over approach", "velocity":
-    "Tangential velocity after (m/s)", "spin": "Spin after (rad/s)",
+    "force over time": "Force / exact maximum", "force": "Maximum force (N)",
+    "duration": "Duration (s)", "rebound": "Rebound / approach speed", "velocity":
+    "Final tangential velocity (m/s)", "spin": "Final spin (rad/s)",
     "tangential restitution": "$v_t'$ / $v_t$", "rebound angle": "Rebound angle (°)",
 }  # fmt: skip
 
 
 def chung_ooi_figure(tests: pd.DataFrame, measured: pd.DataFrame, number: str) -> Figure:
-    """One of the eight tests: ours by material, the exact branch, the experiment."""
+    """One of the eight tests: results by material, the exact branch, and the experiment."""
     with style.style():
         part = tests[tests["test"].str.split().str[0] == number]
         quantities = list(dict.fromkeys(part["quantity"]))
@@ -133,13 +134,13 @@ def chung_ooi_figure(tests: pd.DataFrame, measured: pd.DataFrame, number: str) -
                 rows.groupby("test", sort=False),
                 strict=False,
             ):
-                material = test.partition(" ")[2] or "ours"
+                material = test.partition(" ")[2] or "abradem"
                 if number == "2":
                     panel.bar(material, one["ours"].iloc[0], color=colour, width=0.5)
                     panel.hlines(one["exact"], *_slot(panel), color=style.BLACK, ls="--",
                                  lw=0.9, label="exact")  # fmt: skip
                     continue
-                # What lies on top is hollow, so that what agrees is seen to.
+                # Later series have hollow markers, so that coinciding points remain visible.
                 hollow = {"mfc": "none", "ms": 4.0} if marker != "o" else {}
                 panel.plot(one["value"], one["ours"], marker, color=colour, label=material,
                            **(_SMALL | hollow))  # fmt: skip
@@ -152,7 +153,7 @@ def chung_ooi_figure(tests: pd.DataFrame, measured: pd.DataFrame, number: str) -
             panel.set_xlabel(_AXES[number])
             words = _WORDS[quantity]
             if number == "5":
-                words = r"Surface velocity after / ($\mu v_n$)"
+                words = r"Final surface velocity / ($\mu v_n$)"
             panel.set_ylabel(words)
         return _finish(
             figure, panels, f"test {number} of Chung & Ooi (2011); dashed: exact branch"
@@ -166,7 +167,7 @@ def _slot(panel) -> tuple[float, float]:
 
 
 def codes_figure(impacts: pd.DataFrame) -> Figure:
-    """Other codes as points, ours under the same options as lines: total, spin and v_t'."""
+    """Other codes as points, this engine with the same options as lines: total, spin and v_t'."""
     shown = {"total": "total (J)", "spin": "Spin (rad/s)", "tangential_velocity": "$v_t'$ (m/s)"}
     with style.style():
         figure, panels = style.panels(3, 3, 2.4)
@@ -187,20 +188,20 @@ def codes_figure(impacts: pd.DataFrame) -> Figure:
         for index, panel in enumerate(panels):
             panel.set_title(f"{style.letter(index)} {panel.get_title(loc='left')}", loc="left")
         figure.legend(handles, labels, loc="outside upper center", ncols=2)
-        style.caption(figure, "e = 0.5, µ = 0.45, 3.9 m/s; lines: ours under the same options")
+        style.caption(figure, "e = 0.5, µ = 0.45, 3.9 m/s; lines: abradem with the same options")
         return figure
 
 
 def forces_figure(forces: pd.DataFrame) -> Figure:
-    """Tangential force against time: other codes as points, ours as lines."""
+    """Tangential force against time: other codes as points, this engine as lines."""
     with style.style():
         groups = list(forces.groupby(["code", "variant", "angle"], sort=False))
         figure, panels = style.panels(len(groups), 4, 1.75)
         for panel, ((code, variant, angle), part) in zip(panels, groups, strict=True):
             time = 1e6 * part["time"]
-            panel.plot(time, part["our_tangential"], color=style.BLUE, label="ours")
+            panel.plot(time, part["our_tangential"], color=style.BLUE, label="abradem")
             panel.plot(time, part["their_tangential"], color=style.RED, ls="--", lw=0.8,
-                       label="the law under the other code's choices")  # fmt: skip
+                       label="law with the choices of the other code")  # fmt: skip
             panel.plot(time, part["tangential_force"], ".", color=style.BLACK, ms=2,
                        label="other code")  # fmt: skip
             low, high = panel.get_ylim()
@@ -210,11 +211,11 @@ def forces_figure(forces: pd.DataFrame) -> Figure:
             panel.set_title(f"{code.split()[0]}, {angle:g}°", loc="left")
             panel.set_xlabel("Time (µs)")
             panel.set_ylabel("$F_t$ (N)")
-        return _finish(figure, panels, "e = 0.5, µ = 0.45, 3.9 m/s, the same options")
+        return _finish(figure, panels, "e = 0.5, µ = 0.45, 3.9 m/s, same options")
 
 
 def jets_figure(jets: pd.DataFrame) -> Figure:
-    """Impulse of whole jets on the plate: ours from that of other codes."""
+    """Impulse of whole jets on the plate: difference from other codes."""
     with style.style():
         figure, (panel,) = style.panels(1, 1, 2.0)
         names = (jets["code"].str.split().str[0] + ": " + jets["variant"]).unique()
@@ -229,21 +230,21 @@ def jets_figure(jets: pd.DataFrame) -> Figure:
         panel.axvspan(-1.5, 1.5, color=style.LIGHT_GREY, lw=0, zorder=0)
         panel.set_yticks(range(len(names)), names)
         panel.invert_yaxis()
-        panel.set_xlabel("Ours from the other code's (%)")
+        panel.set_xlabel("Difference of abradem from the other code (%)")
         panel.set_title("impulse of a jet on the plate", loc="left")
         return _finish(
             figure,
             [panel],
-            "80 particles on 40°; bars: twice the spread of nudged jets; grey: 1.5 %",
+            "80 particles, plate at 40°; bars: twice the spread of perturbed jets; grey: ±1.5 %",
         )
 
 
 def time_step_figure(mean: pd.DataFrame, jets: pd.DataFrame) -> Figure:
-    """Bias of the wear measures against the step, single impacts and jets."""
+    """Bias of the wear measures against the time step, for single impacts and jets."""
     with style.style():
         figure, panels = style.panels(3, 3, 2.3)
         left, middle, right = panels
-        # Longer steps are for showing what goes wrong; they would hide the rest.
+        # Longer steps, which show where the method fails, would dominate the axes.
         mean, jets = (frame[frame["fraction"] <= 0.2] for frame in (mean, jets))
         total = mean[mean["measure"] == "total"]
         for colour, (e, part) in zip(style.PALETTE, total.groupby("restitution"), strict=False):
@@ -268,18 +269,18 @@ def time_step_figure(mean: pd.DataFrame, jets: pd.DataFrame) -> Figure:
                        label=measure, **_SMALL)  # fmt: skip
         left.set_title("total, single impacts", loc="left")
         middle.set_title("total, jets", loc="left")
-        right.set_title("other wear measures, largest", loc="left")
+        right.set_title("other wear measures, maximum", loc="left")
         for panel in panels:
             panel.axhspan(-1.0, 1.0, color=style.LIGHT_GREY, lw=0, zorder=0)
-            panel.set_xlabel("Step over the Rayleigh time")
+            panel.set_xlabel("Time step / Rayleigh time")
             panel.set_ylabel("Bias (%)")
         return _finish(
-            figure, panels, "grey: 1 %; single impacts over all phases of entry, summed over angles"
+            figure, panels, "grey: ±1 %; single impacts: all phases of entry, summed over angles"
         )
 
 
 def coverage_figure(replicates: pd.DataFrame) -> Figure:
-    """Rates of replicates with their standard errors, and those that miss the mean."""
+    """Rates of replicates with their intervals, and those that miss the mean."""
     with style.style():
         figure, (panel,) = style.panels(1, 1, 2.2, style.PAGE)
         ordered = replicates.sort_values("value").reset_index(drop=True)
@@ -288,20 +289,20 @@ def coverage_figure(replicates: pd.DataFrame) -> Figure:
             panel.errorbar(
                 one.index, one["value"], 2.093 * one["relative_stderr"], fmt=".",
                 color=colour, ms=2, lw=0.5,
-                label=f"interval {'holds' if held else 'misses'} the mean ({len(one)})",
+                label=f"interval {'contains' if held else 'misses'} the mean ({len(one)})",
             )  # fmt: skip
         panel.axhline(1.0, color=style.BLACK, lw=0.7)
-        panel.set_xlabel("Replicate, by its rate")
-        panel.set_ylabel("Rate over the mean of its case")
+        panel.set_xlabel("Replicate, sorted by rate")
+        panel.set_ylabel("Rate / mean rate of the case")
         panel.set_title("95 % intervals of batch means", loc="left")
-        return _finish(figure, [panel], "twelve jets, whose replicates differ in the seed")
+        return _finish(figure, [panel], "twelve jets; replicates differ in the seed")
 
 
 _SHOWN_ANGLES = (0.0, 10.0, 20.0, 30.0, 45.0)
 
 
 def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:
-    """Depth against time, and slope against the plate's and the factory's angle."""
+    """Wear depth against time, and its slope against plate angle and factory angle."""
     with style.style():
         figure, panels = style.panels(3, 3, 2.3)
         first = series[series["scene"] == series["scene"].iloc[0]]
@@ -339,21 +340,21 @@ def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:
             panel.set_ylim(0, None)
             panel.set_title(words, loc="left")
         return _finish(
-            figure, panels, "particles at rest, $W = 10^{-10}$ /Pa; bars: standard error"
+            figure, panels, "particles released at rest, $W = 10^{-10}$ 1/Pa; bars: standard error"
         )
 
 
 def conveyor_figure(rates: pd.DataFrame) -> Figure:
-    """Depth rates under the assumed loads and the published order."""
+    """Wear depth rates for the assumed loads, and the published order of magnitude."""
     with style.style():
         figure, (panel,) = style.panels(1, 1, 2.6, style.PAGE)
         panel.barh(rates["scene"], rates["depth_rate"], color=style.BLUE, height=0.6)
         panel.set_xscale("log")
-        panel.axvline(1e-6, color=style.RED, ls="--", lw=0.9, label="published order")
+        panel.axvline(1e-6, color=style.RED, ls="--", lw=0.9, label="published order of magnitude")
         panel.set_xlabel("Depth rate (mm/s)")
         panel.invert_yaxis()
         panel.set_title("screw conveyor", loc="left")
-        return _finish(figure, [panel], "W = 1e-11 /Pa; tests the order of magnitude only")
+        return _finish(figure, [panel], "W = 1e-11 1/Pa; tests only the order of magnitude")
 
 
 def trends_figure(measurements: pd.DataFrame, exponents: pd.DataFrame) -> Figure:
@@ -369,7 +370,7 @@ def trends_figure(measurements: pd.DataFrame, exponents: pd.DataFrame) -> Figure
             words = row["quantity"].replace("v^2 + 2 g H", "$v^2 + 2gH$")
             panel.set_title(words, loc="left", fontsize=7)
             speed = row["quantity"].startswith("speed with")
-            panel.set_xlabel("Speed of impact (m/s)" if speed else "Factor")
+            panel.set_xlabel("Impact speed (m/s)" if speed else "Factor")
             per_mass = row["quantity"].startswith("speed")
             panel.set_ylabel("Wear (J/kg)" if per_mass else "Wear rate (W)")
             middle = float(np.sqrt(part["value"].min() * part["value"].max()))
@@ -385,7 +386,7 @@ def trends_figure(measurements: pd.DataFrame, exponents: pd.DataFrame) -> Figure
 
 
 def heap_figure(heap: pd.DataFrame) -> Figure:
-    """Particles resting on the plate: height against distance from the axis."""
+    """Heap of particles on the plate: height against distance from the axis."""
     with style.style():
         figure, (panel,) = style.panels(1, 1, 2.2, style.COLUMN)
         panel.plot(1e3 * heap["x"], 1e3 * heap["height"], "o", color=style.BLUE, ms=3, alpha=0.5)
@@ -418,9 +419,9 @@ FIGURES = {
     "heap": heap_figure,
     **{f"chung_ooi_{number}": _chung_ooi(number) for number in range(1, 9)},
 }
-"""Functions by the name of the figure; the workflow knows the tables that each takes."""
+"""Drawing functions by the name of the figure; the workflow defines the tables of each."""
 
 
 def draw(tables: Iterable[pd.DataFrame], figure: str) -> Figure:
-    """The figure of `FIGURES` of that name, from the tables that it shows."""
+    """Draw the figure of `FIGURES` with this name from its tables."""
     return FIGURES[figure](*tables)

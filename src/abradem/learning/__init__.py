@@ -1,5 +1,6 @@
-"""Models of wear: protocols of evaluation, scores, and one module per family of models.
+"""Training and evaluation of wear models: protocols, scores, model files, comparison.
 
-Whatever learns (a scaler included) sees training rows only, and all models are scored on the
-same held-out rows, from `protocols`.
+`baselines` holds the models of the paper, `physical` the physics-informed (dimensionless) models.
+Under the leakage-free protocol everything that learns, scalers included, sees training rows only,
+and all models are scored on the same held-out rows, which `protocols` draws.
 """

@@ -1,9 +1,9 @@
-"""All models side by side: one tidy table of scores, one comparison, and the printed figures.
+"""Comparison of all models: one tidy table of scores, R2 with intervals, and the printed scores.
 
-Two intervals answer two questions. Over repeated splits, the central share of the scores tells
-how much one split may mislead. For a model that is trained on one split only, a bootstrap of its
-test rows (percentiles) tells how much those rows may. Every model has the second, on the same
-rows; cheap ones have the first too.
+Two kinds of intervals are computed. Over repeated splits, the central share of the scores shows
+how much the score depends on the split. On a single split, a percentile bootstrap of the test
+rows shows how much the score depends on those rows. Every model has the second kind, on the same
+rows; models that are cheap to train also have the first.
 """
 
 from __future__ import annotations
@@ -23,7 +23,18 @@ SPLITS, FIXED, RETRAINED = "repeated splits", "fixed split", "trained again"
 
 
 def join_tables(tables: list[pd.DataFrame]) -> pd.DataFrame:
-    """The scores or predictions of all models, in the order of `ORDER`."""
+    """Concatenate the scores or predictions of all models, sorted by `ORDER`.
+
+    Parameters
+    ----------
+    tables : list of pandas.DataFrame
+        Tables with a column ``model``; models that `ORDER` lacks come last.
+
+    Returns
+    -------
+    pandas.DataFrame
+        All rows; rows of one model keep their order.
+    """
     joined = pd.concat(tables, ignore_index=True)
     place = {model: i for i, model in enumerate(ORDER)}
     order = joined["model"].map(lambda model: place.get(model, len(place)))
@@ -33,7 +44,23 @@ def join_tables(tables: list[pd.DataFrame]) -> pd.DataFrame:
 def bootstrap_r2(
     actual: np.ndarray, predicted: np.ndarray, draws: int, confidence: float, seed: int
 ) -> tuple[float, float]:
-    """Percentile interval of R2 over draws of the rows with replacement; nan for few rows."""
+    """Percentile bootstrap interval of R2 (Efron and Tibshirani 1993, chapter 13).
+
+    Parameters
+    ----------
+    actual, predicted : ndarray, shape (n,)
+        In the unit of the target.
+    draws : int
+        Number of resamples of the rows with replacement.
+    confidence : float
+        Level of the interval, between 0 and 1.
+    seed : int
+
+    Returns
+    -------
+    lower, upper : float
+        nan if the target is constant in every resample.
+    """
     rng = np.random.default_rng(seed)
     rows = rng.integers(0, len(actual), (draws, len(actual)))
     y, error = actual[rows], (actual - predicted)[rows]
@@ -54,14 +81,27 @@ def compare(
     confidence: float = 0.95,
     seed: int = 0,
 ) -> pd.DataFrame:
-    """R2 on held-out rows of every model and protocol.
+    """R2 on held-out rows for every model and protocol.
+
+    Parameters
+    ----------
+    scores : pandas.DataFrame
+        Tidy scores, see `abradem.learning.scores.SCORE_COLUMNS`.
+    predictions : pandas.DataFrame
+        See `abradem.learning.evaluation.PREDICTION_COLUMNS`.
+    draws : int
+        Number of bootstrap resamples.
+    confidence : float
+        Level of all intervals, between 0 and 1.
+    seed : int
+        Seed of the bootstrap.
 
     Returns
     -------
     pandas.DataFrame
-        model, protocol, basis (``repeated splits``: median; ``fixed split``: the first split
-        with a bootstrap interval; ``trained again``: median over trainings of the same net),
-        repeats, r2, r2_lower, r2_upper.
+        model, protocol, basis (``repeated splits``: median over the splits; ``fixed split``: the
+        first split with a bootstrap interval; ``trained again``: median over trainings of the
+        same network), repeats, r2, r2_lower, r2_upper.
     """
     rows = []
     tail = 50.0 * (1.0 - confidence)
@@ -95,13 +135,18 @@ def compare(
 
 
 def beside_paper(comparison: pd.DataFrame) -> pd.DataFrame:
-    """The printed figure, what its steps give here, and the leakage-free score, for each model.
+    """Printed R2, R2 reproduced as published, and leakage-free R2 of each model.
+
+    Parameters
+    ----------
+    comparison : pandas.DataFrame
+        From `compare`.
 
     Returns
     -------
     pandas.DataFrame
-        model, printed_r2, as_published_r2, honest_r2, honest_lower, honest_upper, basis (of the
-        leakage-free score), remark. nan where there is no such figure.
+        model, printed_r2, as_published_r2, leakage_free_r2, leakage_free_lower,
+        leakage_free_upper, basis (of the leakage-free score), remark. Missing scores are nan.
     """
     rows = []
     for model in ORDER:

@@ -1,7 +1,8 @@
-"""Fit a model on the training rows of each split and score it on the rows held out.
+"""Fit a model to the training rows of each split and score it on the held-out rows.
 
-A model is a function ``fit(features, target) -> predict`` with ``predict(features)``, arrays in
-and arrays out. `with_scalers` wraps one that wants standardised variables.
+A model is a function ``fit(features, target)`` that returns a function ``predict(features)``.
+Features have shape (n, p), targets and predictions shape (n,). `with_scalers` wraps a model that
+expects standardised variables.
 """
 
 from __future__ import annotations
@@ -30,7 +31,13 @@ PREDICTION_COLUMNS = [
 
 
 class Results:
-    """Scores and predictions of held-out rows, gathered over models, protocols and splits."""
+    """Scores and predictions collected over models, protocols and splits.
+
+    Parameters
+    ----------
+    table : Table
+        Rows that the predictions belong to.
+    """
 
     def __init__(self, table: Table):
         self.table = table
@@ -48,7 +55,26 @@ class Results:
         floor: float,
         keep: bool = True,
     ) -> dict[str, float]:
-        """Score predictions of ``rows``; ``keep`` also stores the predictions."""
+        """Score the predictions of some rows, and store them.
+
+        Parameters
+        ----------
+        model, protocol, split : str
+        repeat : int
+            Number of the split.
+        rows : ndarray of int, shape (n,)
+        predicted : ndarray, shape (n,)
+            In the unit of the target.
+        floor : float
+            Smallest target of the training rows, see `abradem.learning.scores.score`.
+        keep : bool
+            Whether to store the predictions as well as the scores.
+
+        Returns
+        -------
+        dict of str to float
+            The scores by metric.
+        """
         actual = self.table.target[rows]
         metrics = score(actual, predicted, floor)
         self.add_metrics(model, protocol, split, repeat, metrics)
@@ -71,6 +97,7 @@ class Results:
     def add_metrics(
         self, model: str, protocol: str, split: str, repeat: int, metrics: dict[str, float]
     ) -> None:
+        """Store scores that were computed elsewhere."""
         self._scores += score_rows(
             metrics,
             model=model,
@@ -83,23 +110,32 @@ class Results:
 
     @property
     def scores(self) -> pd.DataFrame:
+        """All scores, with the columns `SCORE_COLUMNS`."""
         return pd.DataFrame(self._scores, columns=SCORE_COLUMNS)
 
     @property
     def predictions(self) -> pd.DataFrame:
+        """All stored predictions, with the columns `PREDICTION_COLUMNS`."""
         if not self._predictions:
             return pd.DataFrame({name: [] for name in PREDICTION_COLUMNS})
         return pd.concat(self._predictions, ignore_index=True)[PREDICTION_COLUMNS]
 
 
 def with_scalers(fit: Fit, scalers: tuple[Scaler, Scaler] | None = None) -> Fit:
-    """A model in standardised variables, for raw ones.
+    """Wrap a model that expects standardised variables, so that it takes raw ones.
 
     Parameters
     ----------
     fit : callable
+        The model in standardised variables.
     scalers : pair of Scaler, optional
-        Of features and target; if not given they are fitted on the rows that ``fit`` gets.
+        Scalers of the features and of the target. By default they are fitted to the rows that
+        ``fit`` receives.
+
+    Returns
+    -------
+    callable
+        The model in raw variables.
     """
 
     def fit_raw(features: np.ndarray, target: np.ndarray) -> Predict:
@@ -111,21 +147,32 @@ def with_scalers(fit: Fit, scalers: tuple[Scaler, Scaler] | None = None) -> Fit:
 
 
 def scalers_of_all_rows(table: Table) -> tuple[Scaler, Scaler]:
-    """The scalers of the protocol as published: fitted before the split."""
+    """Scalers of features and target fitted to all rows, before the split (as published)."""
     return standard_scaler(table.features), standard_scaler(table.target)
 
 
 def evaluate_leakage_free(
     results: Results, model: str, fit: Fit, test_share: float, repeats: int, seed: int
 ) -> None:
-    """Score ``fit`` on the test rows of repeated splits; it sees training rows alone."""
+    """Score a model on the test rows of repeated splits; it sees training rows only.
+
+    Parameters
+    ----------
+    results : Results
+        Collects the scores and predictions.
+    model : str
+        Name of the model.
+    fit : callable
+    test_share, repeats, seed
+        See `abradem.learning.protocols.repeated_splits`.
+    """
     table = results.table
     splits = repeated_splits(table.keys, test_share, repeats, seed)
     _evaluate(results, model, LEAKAGE_FREE, fit, splits)
 
 
 def evaluate_as_published(results: Results, model: str, fit: Fit) -> None:
-    """Score ``fit`` on the one split as published."""
+    """Score a model on the single split of the published protocol."""
     splits = [published_split(len(results.table.target), PUBLISHED_SHARE)]
     _evaluate(results, model, AS_PUBLISHED, fit, splits)
 

@@ -1,17 +1,18 @@
-"""Models as files: numbers in safetensors, everything else in JSON, no code in either.
+"""Model files: arrays in safetensors, everything else in JSON, no executable code in either.
 
-A model is two files, ``<stem>.safetensors`` with its arrays and ``<stem>.json`` with what is
-needed to use and to judge it: features in order with units, scaler and training ranges, the
-target, the protocol, the hash of the rows and the scores. `load_model` reads all kinds:
+A model is stored in two files. ``<stem>.safetensors`` holds its arrays. ``<stem>.json`` holds
+everything else that is needed to use and assess it: features in order with units, scalers and
+training ranges, target, protocol, hash of the training data, and scores. `load_model` reads all
+kinds:
 
 ``linear``
-    y = coefficients . z, also for a regression on principal components.
+    y = coefficients . z, also used for the regression on principal components.
 ``trees``
-    Mean of one or more binary trees; a row goes left where feature <= threshold.
+    Mean of one or more binary trees; a row goes left if feature <= threshold.
 ``network``
     Fully connected layers with rectified linear units between them.
 
-z are the features less their mean over their scale; the prediction is scaled back likewise.
+Here z = (features - mean) / scale. The model predicts the scaled target, which is scaled back.
 """
 
 from __future__ import annotations
@@ -40,21 +41,22 @@ def about(
     columns: np.ndarray | None = None,
     **more,
 ) -> dict:
-    """What the JSON file of a model says.
+    """Description of a model, the content of its JSON file.
 
     Parameters
     ----------
     table : Table
+        Rows that the model was trained on.
     model, protocol : str
     kind : {"linear", "trees", "network"}
     scalers : pair of Scaler
-        Of the features used and of the target.
+        Scalers of the features used and of the target.
     rows : ndarray of int, optional
-        Rows trained on, all if not given.
+        Training rows; by default all.
     columns : ndarray of int, optional
-        Features used, all if not given.
+        Features used; by default all.
     more
-        Hyper-parameters, scores, words.
+        Further entries, such as hyper-parameters and scores.
     """
     rows = np.arange(len(table.target)) if rows is None else rows
     columns = np.arange(len(FEATURE_NAMES)) if columns is None else columns
@@ -91,7 +93,7 @@ def about(
 
 
 def write_model(description: dict, arrays: dict[str, np.ndarray], path: str | Path) -> None:
-    """Write ``description`` to ``path`` (JSON) and ``arrays`` beside it (safetensors)."""
+    """Write ``description`` to ``path`` (JSON) and ``arrays`` next to it (safetensors)."""
     write_arrays(arrays, Path(path).with_suffix(".safetensors"))
     write_json(description, path)
 
@@ -112,7 +114,23 @@ class Model:
         self.arrays = arrays
 
     def predict(self, rows: pd.DataFrame) -> np.ndarray:
-        """Target of rows that hold the model's features; warns outside the training ranges."""
+        """Predict the target; warns if features lie outside the training ranges.
+
+        Parameters
+        ----------
+        rows : pandas.DataFrame
+            Holds the features of the model in the units of its description.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            In the unit of the target.
+
+        Raises
+        ------
+        TableError
+            If a feature is missing.
+        """
         features = self.description["features"]
         missing = [feature["name"] for feature in features if feature["name"] not in rows]
         if missing:
@@ -120,7 +138,7 @@ class Model:
         x = rows[[feature["name"] for feature in features]].to_numpy(dtype=float)
         for values, feature in zip(x.T, features, strict=True):
             low, high = feature["training_range"]
-            # Not a number lies nowhere.
+            # Written so that nan counts as outside.
             beyond = int(np.sum(~((values >= low) & (values <= high))))
             if beyond:
                 warnings.warn(
@@ -142,12 +160,23 @@ class Model:
 
 
 def load_model(path: str | Path) -> Model:
-    """Read a model from its JSON file and the safetensors file beside it."""
+    """Read a model from its JSON file and the safetensors file next to it."""
     return Model(read_json(path), read_arrays(Path(path).with_suffix(".safetensors")))
 
 
 def predict_network(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
-    """Output of the layers ``weights_0`` (in, out), ``biases_0`` (out,), ... for scaled rows."""
+    """Output of a network for scaled rows.
+
+    Parameters
+    ----------
+    arrays : dict of str to ndarray
+        ``weights_0`` (in, out), ``biases_0`` (out,), ``weights_1``, ... from the input on.
+    z : ndarray, shape (n, p)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
     layer, values = 0, z.astype(np.float32)
     while f"weights_{layer}" in arrays:
         values = np.maximum(values, 0.0) if layer else values
@@ -157,9 +186,14 @@ def predict_network(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
 
 
 def tree_arrays(trees: list) -> dict[str, np.ndarray]:
-    """Nodes of fitted scikit-learn trees, one after the other; ``root`` holds the first of each.
+    """Node arrays of fitted scikit-learn trees, one tree after the other.
 
-    ``left`` and ``right`` are numbers of nodes in these arrays, -1 at a leaf.
+    Returns
+    -------
+    dict of str to ndarray
+        ``feature``, ``threshold``, ``left``, ``right`` and ``value`` of every node, and ``root``,
+        the index of the first node of each tree. ``left`` and ``right`` are node indices, -1 at a
+        leaf.
     """
     parts: dict[str, list] = {name: [] for name in ("feature", "threshold", "left", "right")}
     values, roots, first = [], [], 0
@@ -179,8 +213,8 @@ def tree_arrays(trees: list) -> dict[str, np.ndarray]:
 
 
 def predict_trees(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
-    """Mean prediction of the trees of `tree_arrays` for standardised rows."""
-    # scikit-learn compares in single precision.
+    """Mean prediction of the trees of `tree_arrays` for standardised rows (n, p), shape (n,)."""
+    # scikit-learn compares features and thresholds in single precision.
     z = z.astype(np.float32)
     total = np.zeros(len(z))
     rows = np.arange(len(z))
@@ -195,13 +229,20 @@ def predict_trees(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
 
 
 def write_stage(outputs, /, **results) -> None:
-    """Write what a stage of the learning found, each to the path of its name.
+    """Write the results of a learning stage, each to the output path of the same name.
 
     Parameters
     ----------
     outputs : mapping of str to path
-        A model (a pair of description and arrays) needs ``<name>`` and ``<name>_arrays``.
-    results : DataFrame (a table), dict (JSON) or pair (a model)
+        A model needs two paths, ``<name>`` and ``<name>_arrays``.
+    results
+        DataFrames are written as tables, dictionaries as JSON, pairs (description, arrays) as
+        models.
+
+    Raises
+    ------
+    ValueError
+        If an output has no result, or the arrays of a model do not belong next to its JSON file.
     """
     paths = dict(outputs)
     for name, result in results.items():
@@ -212,7 +253,8 @@ def write_stage(outputs, /, **results) -> None:
             write_json(result, path)
         else:
             if Path(paths.pop(f"{name}_arrays")) != Path(path).with_suffix(".safetensors"):
-                raise ValueError(f"the arrays of {name} must stand beside {path}")
-            write_model(*result, path)
+                raise ValueError(f"the arrays of {name} must be in the same folder as {path}")
+            description, arrays = result
+            write_model(description, arrays, path)
     if paths:
         raise ValueError(f"nothing to write to {', '.join(map(str, paths.values()))}")

@@ -1,21 +1,23 @@
-"""Fully connected networks, many small ones trained fast and reproducibly.
+"""Small fully connected networks, trained fast and reproducibly.
 
-Hidden layers are rectified linear units, the output is one number, the loss the mean squared
-error of a mini-batch. Such a network is small enough that bookkeeping and the optimiser's memory
-traffic decide the time, so all weights of one lie in one flat vector and the gradient is written
-out by hand. With activations a_0 = x, a_i = max(0, a_(i-1) W_i + b_i) and error
-d = dL/d(a_(i-1) W_i + b_i), layer by layer from the last::
+Hidden layers are rectified linear units, the output is one number, and the loss is the mean
+squared error of a mini-batch. For networks of this size the training time is dominated by
+overhead and by the memory traffic of the optimiser. All weights of a network are therefore stored
+in one flat vector, and the gradient is coded by hand. With the activations a_0 = x,
+a_i = max(0, a_(i-1) W_i + b_i) and the error d = dL/d(a_(i-1) W_i + b_i), from the last layer to
+the first::
 
     dL/dW_i = a_(i-1)' d      dL/db_i = sum d      d <- (d W_i') [a_(i-1) > 0]
 
-Networks of equal depth can share one batched computation, each padded with zeros to the widest
-of each layer: the gradient of a padded weight is zero, so padding stays zero. That is no gain on
-a processor, where networks go one by one, and the way to use a graphics card.
+Networks of equal depth can be trained in one batched computation, each layer padded with zeros to
+the widest network: the gradient of a padded weight is zero, so padding stays zero. Batching is
+used on a GPU; on a CPU it brings nothing, and networks are trained one by one.
 
-Start weights (uniform within sqrt(6 / (in + out)), Glorot and Bengio 2010) and the order of rows
-come from the network's own seed, and one thread computes it (`one_thread`), so that its score
-depends neither on its neighbours nor on the number of cores. On a graphics card the sums of a
-batch are ordered otherwise, so the last digits do depend on the neighbours.
+Initial weights (uniform within sqrt(6 / (in + out)), Glorot and Bengio 2010) and the order of the
+rows come from the network's own seed, and each network is trained in one thread (`one_thread`).
+Its score therefore depends neither on the networks trained beside it nor on the number of cores.
+On a GPU the order of summation depends on the batch, so the last digits do depend on the other
+networks in it.
 """
 
 from __future__ import annotations
@@ -32,10 +34,10 @@ from abradem.learning.model_files import predict_network
 
 @contextlib.contextmanager
 def one_thread() -> Iterator[None]:
-    """Limit torch, and the linear algebra behind numpy, to one thread.
+    """Limit torch and the BLAS library behind numpy to one thread.
 
-    More would change the order of sums, and so the last digits; the workflow also tells both to
-    use as many threads as a rule has cores.
+    More threads would change the order of summation and so the last digits. Without this limit
+    both would use as many threads as the workflow rule has cores.
     """
     import torch
     from threadpoolctl import threadpool_limits
@@ -50,11 +52,11 @@ def one_thread() -> Iterator[None]:
 
 
 Layers = tuple[int, ...]
-"""Neurons of the hidden layers."""
+"""Number of neurons in each hidden layer."""
 
 
 class Training(NamedTuple):
-    """Settings of the optimiser (Adam); the defaults are those of the study's searches."""
+    """Settings of the Adam optimiser; the defaults are those of the paper's searches."""
 
     epochs: int = 20
     batch: int = 32
@@ -62,17 +64,17 @@ class Training(NamedTuple):
 
 
 class Network(NamedTuple):
-    """Weights (in, out) and biases (out,) of every layer, single precision."""
+    """Weights (in, out) and biases (out,) of every layer, in single precision."""
 
     weights: list[np.ndarray]
     biases: list[np.ndarray]
 
     def predict(self, rows: np.ndarray) -> np.ndarray:
-        """Output for rows, shape (n,)."""
+        """Output for scaled rows (n, p), shape (n,)."""
         return predict_network(self.arrays(), rows)
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """The arrays by name, for a file."""
+        """Weights and biases by name, as they are stored in a file."""
         named = {}
         for layer, (weights, biases) in enumerate(zip(self.weights, self.biases, strict=True)):
             named[f"weights_{layer}"], named[f"biases_{layer}"] = weights, biases
@@ -80,7 +82,7 @@ class Network(NamedTuple):
 
 
 def network_of(arrays: dict[str, np.ndarray]) -> Network:
-    """The network that `Network.arrays` named."""
+    """Network from arrays named as by `Network.arrays`."""
     count = sum(name.startswith("weights_") for name in arrays)
     return Network(*([arrays[f"{kind}_{i}"] for i in range(count)] for kind in _KINDS))
 
@@ -89,15 +91,24 @@ _KINDS = ("weights", "biases")
 
 
 def parameters_of(inputs: int, hidden: Layers) -> int:
-    """Number of weights and biases."""
+    """Number of weights and biases of a network with ``inputs`` features and one output."""
     sizes = (inputs, *hidden, 1)
     return sum((a + 1) * b for a, b in pairwise(sizes))
 
 
 def start(inputs: int, hidden: Layers, seed: int, heritage: Network | None = None) -> Network:
-    """Start weights from a seed; ``heritage`` replaces what overlaps with its own layers.
+    """Initial weights of a network.
 
-    Hidden layers are matched from the input on, the output layer with the output layer.
+    Parameters
+    ----------
+    inputs : int
+        Number of features.
+    hidden : tuple of int
+        Neurons of the hidden layers.
+    seed : int
+    heritage : Network, optional
+        Its weights replace the random ones where the layers overlap. Hidden layers are matched
+        from the input on, the output layer with the output layer.
     """
     rng = np.random.default_rng([seed, 0])
     sizes = (inputs, *hidden, 1)
@@ -129,16 +140,20 @@ def train(
     Parameters
     ----------
     starts : sequence of Network
+        Initial weights.
     seeds : sequence of int
-        Of the order of rows, one for each network.
-    x : ndarray, shape (n, f)
+        Seeds of the order of the rows, one for each network.
+    x : ndarray, shape (n, p)
+        Scaled features.
     y : ndarray, shape (n,)
+        Scaled target.
     training : Training
     device : {"cpu", "cuda"}
 
     Returns
     -------
     list of Network
+        The trained networks, in the order of ``starts``.
     """
     import torch
 
@@ -163,11 +178,11 @@ def train(
         layers = list(_views(parameters, shapes))
         gradients = list(_views(parameters.grad, shapes))
         if count == 1:
-            # Plain matrix products are quicker than batches of one.
+            # Plain matrix products are faster than a batch of one.
             layers, gradients = ([(w[0], b[0]) for w, b in part] for part in (layers, gradients))
         for _ in range(training.epochs):
-            order = np.stack([rng.permutation(len(y)) for rng in rngs])
-            order = torch.from_numpy(order[0] if count == 1 else order).to(device)
+            drawn = np.stack([rng.permutation(len(y)) for rng in rngs])
+            order = torch.from_numpy(drawn[0] if count == 1 else drawn).to(device)
             shuffled, wanted = rows[order], target[order]
             for first in range(0, len(y), training.batch):
                 part = slice(first, first + training.batch)
@@ -187,7 +202,7 @@ def train(
 
 
 def _views(flat, shapes):
-    """Weights (count, in, out) and biases (count, 1, out) inside flat vectors (count, total)."""
+    """Yield views of the weights (count, in, out) and biases (count, 1, out) of each layer."""
     place = 0
     for a, b in shapes:
         weights = flat[:, place : place + a * b].reshape(len(flat), a, b)
@@ -197,7 +212,7 @@ def _views(flat, shapes):
 
 
 def _backward(torch, layers, gradients, rows, wanted) -> None:
-    """Gradient of the mean squared error of a mini-batch into ``gradients``."""
+    """Write the gradient of the mean squared error of a mini-batch to ``gradients``."""
     activations = [rows]
     for layer, (weights, bias) in enumerate(layers):
         value = torch.matmul(activations[-1], weights).add_(bias)

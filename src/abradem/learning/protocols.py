@@ -1,13 +1,13 @@
-"""Two protocols of training and evaluation, and which rows each trains and tests on.
+"""The two evaluation protocols, and the training and test rows of each.
 
 ``leakage_free``
-    Everything that learns (scaler, selection of features, hyper-parameters, genetic search)
-    sees training rows only; the test rows of a split are touched once, and are the same for
-    all models of a study. Expensive models use the first of the repeated splits.
+    Everything that learns (scaler, feature selection, hyper-parameters, genetic search) sees
+    training rows only. The test rows of a split are used once, and are the same for all models of
+    a study. Expensive models use only the first of the repeated splits.
 ``as_published``
-    What the study's notebooks do: one shuffle with seed 42, a scaler fitted on all rows before
-    the split, choices made on the test rows. It is kept to reproduce the printed figures; its
-    scores are optimistic and every table and figure that shows one says so.
+    The procedure of the paper's notebooks: one shuffle with seed 42, a scaler fitted to all rows
+    before the split, choices made on the test rows. It is kept to reproduce the printed scores.
+    Its scores are optimistic, and every table and figure that shows them says so.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ PROTOCOLS = (AS_PUBLISHED, LEAKAGE_FREE)
 
 PUBLISHED_SEED = 42
 PUBLISHED_SHARE = 0.2
-"""Rows held out for the regressions and the tree, as published."""
+"""Share of the rows held out for the regressions and the tree, as published."""
 PUBLISHED_NETWORK_SHARE = 0.3
-"""Rows held out for the networks, as published."""
+"""Share of the rows held out for the networks, as published."""
 
 
 def repeated_splits(
@@ -36,9 +36,9 @@ def repeated_splits(
     Parameters
     ----------
     keys : ndarray, shape (n,)
-        Case numbers. Splits depend on the set of keys, not on the order of the rows.
+        Case numbers. The splits depend on the set of keys, not on the order of the rows.
     test_share : float
-        Share of the rows held out, rounded up to whole rows.
+        Share of the rows that is held out, rounded up to whole rows.
     repeats : int
         Number of splits.
     seed : int
@@ -46,7 +46,7 @@ def repeated_splits(
     Yields
     ------
     train, test : ndarray of int
-        Row numbers, ascending by key.
+        Row numbers, in ascending order of the keys.
     """
     keys = np.asarray(keys)
     n = len(keys)
@@ -58,12 +58,19 @@ def repeated_splits(
 
 
 def published_split(rows: int, test_share: float) -> tuple[np.ndarray, np.ndarray]:
-    """Training and test rows as published: scikit-learn's ``train_test_split``, seed 42.
+    """Training and test rows as published: scikit-learn's ``train_test_split`` with seed 42.
+
+    Parameters
+    ----------
+    rows : int
+        Number of rows.
+    test_share : float
+        Share of the rows that is held out.
 
     Returns
     -------
     train, test : ndarray of int
-        In the order of the shuffle, which mini-batches follow.
+        Row numbers in shuffled order, which determines the mini-batches.
     """
     tested = held_out(rows, test_share)
     shuffled = np.random.RandomState(PUBLISHED_SEED).permutation(rows)
@@ -71,9 +78,25 @@ def published_split(rows: int, test_share: float) -> tuple[np.ndarray, np.ndarra
 
 
 def folds(rows: int, count: int, seed: int) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Training and validation rows of a shuffled cross-validation inside ``rows`` rows.
+    """Training and validation rows of a shuffled cross-validation.
 
-    Few rows get fewer folds: each validates on two rows or more.
+    Parameters
+    ----------
+    rows : int
+        Number of rows.
+    count : int
+        Number of folds; reduced so that each fold has at least two validation rows.
+    seed : int
+
+    Returns
+    -------
+    list of tuple
+        (training rows, validation rows) of each fold, ascending.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than four rows.
     """
     count = min(count, rows // 2)
     if count < 2:
@@ -85,7 +108,13 @@ def folds(rows: int, count: int, seed: int) -> list[tuple[np.ndarray, np.ndarray
 
 
 def held_out(rows: int, test_share: float) -> int:
-    """Number of test rows; raises ValueError unless both parts keep a row."""
+    """Number of test rows.
+
+    Raises
+    ------
+    ValueError
+        If ``test_share`` is not between 0 and 1, or leaves no training or no test row.
+    """
     if not 0.0 < test_share < 1.0:
         raise ValueError(f"test_share = {test_share!r} must lie between 0 and 1")
     tiny = 1e-9

@@ -1,4 +1,4 @@
-"""What the study printed, to compare with: scores, the linear equation, the features selected."""
+"""Printed results of the paper: scores, linear equation, selected features, network."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ SELECTED = (
     "restitution", "archard_constant", "plate_angle", "particle_radius", "particle_velocity_y",
     "damping_coefficient",
 )  # fmt: skip
-"""The 12 features that its networks use."""
+"""The 12 features used by the paper's networks."""
 
 NETWORK = (449, 24, 500, 385)
-"""Hidden layers of its best network."""
+"""Hidden layers of the paper's best network."""
 
 SCORES = {
     "linear": (0.68, "test rows, scaler fitted on all rows"),
@@ -34,33 +34,34 @@ SCORES = {
     "tree": (0.2, "at depth 1 or 2; 0.58 elsewhere in the text"),
     "ga_ann": (0.91, "best of hundreds of looks at the test rows"),
 }
-"""Printed R2 of each model, and what to know about it."""
+"""Printed R2 of each model, and a remark on it."""
 
 ROUNDING = 0.006
-"""Printed and refitted coefficients that differ by less agree: half a unit of the last printed
-digit, two decimals for some."""
+"""Largest difference between a printed and a refitted coefficient that agree: about half a unit of
+the last printed digit, as some are printed with two decimals."""
 
 AGREE_ON_ITS_TABLE = 12
-"""So many of the 21 numbers agree only where the refit is on the study's own table."""
+"""Number of the 21 coefficients that must agree for a refit to count as one on the paper's own
+data set."""
 
 
 def compare_equation(intercept: float, refit: np.ndarray) -> tuple[pd.DataFrame, bool]:
-    """The printed equation beside a refit by the same steps.
+    """Compare the printed equation with a refit by the same steps.
 
     Parameters
     ----------
     intercept : float
     refit : ndarray, shape (20,)
-        Intercept and coefficients in standardised variables, protocol as published.
+        Coefficients in standardised variables, as published; ``intercept`` likewise.
 
     Returns
     -------
     table : pandas.DataFrame
         protocol, symbol, feature, printed, refitted, verdict: ``agrees``, ``misprinted sign``,
-        ``misprinted value``, or ``another table`` for all where the rows are not the study's.
-        The intercept comes first, without a symbol.
+        ``misprinted value``, or ``another table`` in all rows if the data set is not the paper's.
+        The intercept comes first and has no symbol.
     own : bool
-        Whether the refit looks like one on the study's own table.
+        Whether the refit appears to be on the paper's own data set.
     """
     printed, refit = np.array([INTERCEPT, *EQUATION]), np.array([intercept, *refit], dtype=float)
     agrees = np.abs(printed - refit) < ROUNDING

@@ -1,4 +1,4 @@
-"""The rows that models learn from, and how features and target are scaled."""
+"""The rows that models learn from, and the scaling of features and target."""
 
 from __future__ import annotations
 
@@ -12,13 +12,24 @@ from abradem.store.columns import COLUMNS
 from abradem.store.tables import content_hash
 
 FEWEST_ROWS = 8
-"""Below this nothing is left to validate on once rows are held out for testing."""
+"""Smallest data set that leaves rows for validation after some are held out for testing."""
 
 
 class Table(NamedTuple):
-    """Rows in the order of their case numbers.
+    """Features and target, in the order of the case numbers.
 
-    ``keys`` (n,), ``features`` (n, 20) in the order of `FEATURE_NAMES`, ``target`` (n,).
+    Attributes
+    ----------
+    keys : ndarray, shape (n,)
+        Case numbers.
+    features : ndarray, shape (n, 20)
+        In the order of `FEATURE_NAMES` and in the units of `abradem.quantities`.
+    target : ndarray, shape (n,)
+    target_name, unit : str
+    name : str
+        Name of the data set in the scores.
+    hash : str
+        Hash of the rows.
     """
 
     keys: np.ndarray
@@ -31,26 +42,32 @@ class Table(NamedTuple):
 
 
 class Scaler(NamedTuple):
-    """Mean and standard deviation of rows; a constant column becomes 0.
+    """Linear scaling of columns, (values - mean) / scale; a constant column becomes 0.
 
-    The scale of a constant is its own size, so that another value, which no model can have
-    learned from, does not become a huge one.
+    A constant column is scaled by its absolute value. Other values of it, which no model has seen
+    in training, are then not scaled to huge numbers.
+
+    Attributes
+    ----------
+    mean, scale : ndarray, shape (p,) or ()
     """
 
     mean: np.ndarray
     scale: np.ndarray
 
     def forward(self, values: np.ndarray) -> np.ndarray:
+        """Scale values."""
         return (values - self.mean) / self.scale
 
     def back(self, values: np.ndarray) -> np.ndarray:
+        """Undo `forward`."""
         return self.mean + self.scale * values
 
 
 def learning_table(
     dataset: pd.DataFrame, target: str = TARGET.name, name: str = "dataset", fewest: int = 3
 ) -> Table:
-    """Features and target of a data set, sorted by case, checked.
+    """Features and target of a data set, checked and sorted by case.
 
     Parameters
     ----------
@@ -59,14 +76,14 @@ def learning_table(
     target : str
         A wear-rate column, mm/s.
     name : str
-        What the scores call this table.
+        Name of the data set in the scores.
     fewest : int
-        Least number of rows.
+        Smallest number of rows accepted.
 
     Raises
     ------
     ValueError
-        If the target is missing, a number is not finite, or the rows are too few.
+        If the target is missing, a value is not finite, or there are too few rows.
     """
     if target not in dataset:
         raise ValueError(f"dataset: lacks the target {target}")
@@ -89,12 +106,12 @@ def learning_table(
 
 
 def constant(features: np.ndarray) -> np.ndarray:
-    """Which columns do not vary, shape (p,)."""
+    """Whether each column of ``features`` (n, p) is constant, shape (p,)."""
     return np.ptp(features, axis=0) <= 1e-12 * np.abs(features).max(axis=0)
 
 
 def standard_scaler(values: np.ndarray) -> Scaler:
-    """Scaler to mean 0 and standard deviation 1 of ``values``, shape (n,) or (n, p)."""
+    """Scaler to mean 0 and standard deviation 1, for ``values`` of shape (n,) or (n, p)."""
     columns = values.reshape(len(values), -1)
     fixed = constant(columns)
     mean = np.where(fixed, columns[0], columns.mean(axis=0))
@@ -105,6 +122,6 @@ def standard_scaler(values: np.ndarray) -> Scaler:
 
 
 def minmax_scaler(values: np.ndarray) -> Scaler:
-    """Scaler to the interval from 0 to 1 of ``values``, shape (n, p)."""
+    """Scaler to the interval from 0 to 1, for ``values`` of shape (n, p)."""
     scale = np.where(constant(values), 1.0, np.ptp(values, axis=0))
     return Scaler(values.min(axis=0), scale)

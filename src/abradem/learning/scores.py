@@ -1,8 +1,8 @@
-"""Scores on the raw target and on its logarithm, as one tidy table.
+"""Scores on the target and on its logarithm, in one tidy table.
 
-R2 = 1 - sum (y - p)^2 / sum (y - mean y)^2 over the rows scored. A wear rate is positive, but a
-linear model may predict less than zero: for the score on ln y alone, predictions are raised to
-the smallest target of the training rows, and ``floored_share`` tells how many were.
+R2 = 1 - sum (y - p)^2 / sum (y - mean y)^2 over the rows scored. Wear rates are positive, but a
+linear model may predict negative ones. Only for the score on ln y, predictions are raised to the
+smallest target of the training rows; ``floored_share`` is the share of predictions raised.
 """
 
 from __future__ import annotations
@@ -23,14 +23,19 @@ def r2(actual: np.ndarray, predicted: np.ndarray) -> float:
 
 
 def score(actual: np.ndarray, predicted: np.ndarray, floor: float) -> dict[str, float]:
-    """All metrics of predictions; nan where one is undefined.
+    """All metrics of some predictions; undefined ones are nan.
 
     Parameters
     ----------
     actual, predicted : ndarray, shape (n,)
         In the unit of the target.
     floor : float
-        Smallest target of the training rows, the least that R2_log takes as predicted.
+        Smallest target of the training rows; R2_log raises smaller predictions to it.
+
+    Returns
+    -------
+    dict of str to float
+        One value for each of `METRICS`; RMSE and MAE are in the unit of the target.
     """
     actual, predicted = np.asarray(actual, dtype=float), np.asarray(predicted, dtype=float)
     error = predicted - actual
@@ -55,7 +60,7 @@ def score_rows(
     repeat: int,
     target_unit: str,
 ) -> list[dict]:
-    """Rows of the tidy table for the metrics of one split."""
+    """Rows of the tidy table, with the columns `SCORE_COLUMNS`, for the metrics of one split."""
     keys = {"model": model, "protocol": protocol, "table": table, "split": split, "repeat": repeat}
     return [
         {
@@ -69,16 +74,17 @@ def score_rows(
 
 
 def score_intervals(scores: pd.DataFrame, confidence: float = 0.95) -> pd.DataFrame:
-    """Centre and interval of each metric over the repeats.
+    """Mean, median and interval of each metric over the repeats.
 
-    The interval holds the central ``confidence`` of the repeats. Splits of one table overlap,
-    so it tells how much a single split may mislead; it is not a standard error of the mean.
+    The interval contains the central share ``confidence`` of the repeats. Splits of one data set
+    overlap, so it shows how much the score depends on the split; it is not a confidence interval
+    of the mean.
 
     Returns
     -------
     pandas.DataFrame
-        model, protocol, table, split, metric, unit, repeats (with a value), mean, median,
-        lower, upper.
+        model, protocol, table, split, metric, unit, repeats (those with a finite value), mean,
+        median, lower, upper.
     """
     keys = ["model", "protocol", "table", "split", "metric", "unit"]
     rows = []
@@ -95,7 +101,7 @@ def score_intervals(scores: pd.DataFrame, confidence: float = 0.95) -> pd.DataFr
 
 
 def scores_of(scores: pd.DataFrame, model: str, protocol: str, confidence: float = 0.95) -> dict:
-    """Centre and interval of all metrics of one model, as its file states them."""
+    """Mean, median and interval of all metrics of one model, as stored in its JSON file."""
     mine = scores[(scores["model"] == model) & (scores["protocol"] == protocol)]
     return {
         split: {

@@ -1,4 +1,4 @@
-"""The data card: what a reader of the data set has to know, as the README of the folder."""
+"""The data card, which describes the data set and is the README of the published folder."""
 
 from __future__ import annotations
 
@@ -21,28 +21,29 @@ STEP_BIAS = {
     0.15: "total by at most 0.9 %, sliding by 1.1 %, friction by 0.5 %",
     0.2: "total by at most 1.7 %, sliding by 2.6 %, friction by 0.8 %",
 }
-"""Largest bias of the mean rates by the time step, as a share of the Rayleigh time: over angles,
-speeds and restitutions of single impacts and in a dilute jet, from the verification study."""
+"""Largest bias of the mean rates caused by the time step, by the time step as a share of the
+Rayleigh time: over angles, speeds and restitutions of single impacts and in a dilute jet, from the
+verification study."""
 
 BEDS = (
-    "On nearly level plates small particles lie in a bed that shields the plate and may fill for many "
-    "seconds. A rate is taken when wear and particles present have stopped to change by more than "
-    "20 %; of beds that were simulated for longer, single ones were off by up to 8 %, which is "
-    "more than their standard error says."
+    "On nearly level plates small particles form a bed that shields the plate and may take many "
+    "seconds to fill. A rate is determined when the wear and the number of particles present no "
+    "longer change by more than 20 %. Compared with longer simulations of beds, single rates were "
+    "off by up to 8 %, which is more than their standard error."
 )
-"""What is known of the rates of beds: benchmarks/windows.py, docs/method.md."""
+"""Accuracy of the rates of beds: benchmarks/windows.py, docs/method.md."""
 
 FLAGS = {
     "overlap": "an overlap exceeded 5 % of the radius, which strains the contact law",
-    "shortfall": "less than 95 % of the feed found room at the factory",
-    "stderr": "the relative standard error is above the one aimed at",
-    "unsteady": "no steady state was reached, or the record still drifts at its end",
+    "shortfall": "less than 95 % of the feed could be placed at the factory",
+    "stderr": "the relative standard error is above its target",
+    "unsteady": "no steady state was reached, or the wear rate still drifts at the end",
 }
-"""Words of the column ``quality``, see `abradem.wear.rates.quality`."""
+"""Meaning of the flags in the column ``quality``, see `abradem.wear.rates.quality`."""
 
 
 def card(description: Description) -> str:
-    """The card as Markdown."""
+    """The data card as Markdown."""
     sections = (
         _head, _content, _measure, _making, _quantities, _columns, _quality, _limits, _rights,
     )  # fmt: skip
@@ -58,16 +59,16 @@ def _head(said: Description) -> Iterable[str]:
         "",
         said.abstract,
         "",
-        f"{rows} cases of {drawn} drawn; plate-mean wear depth rates from {target.min():.3g} to "
+        f"{rows} of {drawn} sampled cases; plate-mean wear depth rates from {target.min():.3g} to "
         f"{target.max():.3g} mm/s. Version {said.version} of {said.date}. {LICENCE}.",
     ]
 
 
 def _content(said: Description) -> Iterable[str]:
     alone = [file for file in said.files if file.folder not in PARTITIONED]
-    lines = ["## Files", "", "| file | what it is | bytes |", "| --- | --- | ---: |"]
+    lines = ["## Files", "", "| file | content | bytes |", "| --- | --- | ---: |"]
     lines += [_row(file.name, file.words, file.size) for file in alone if not file.folder]
-    lines += ["| `croissant.json`, `ro-crate-metadata.json` | descriptors for programs | |"]
+    lines += ["| `croissant.json`, `ro-crate-metadata.json` | machine-readable descriptors | |"]
     for folder, words in PARTITIONED.items():
         parts = [file for file in said.files if file.folder == folder]
         if parts:
@@ -79,14 +80,14 @@ def _content(said: Description) -> Iterable[str]:
     return [
         *lines,
         "",
-        "Parquet files name unit and meaning of every column in their field metadata. "
-        "`ro-crate-metadata.json` holds the SHA-256 of every file.",
+        "Parquet files state the unit and the meaning of every column in the field metadata. "
+        "`ro-crate-metadata.json` contains the SHA-256 of every file.",
     ]
 
 
 def _measure(said: Description) -> Iterable[str]:
     return [
-        "## Wear measure it",
+        "## Reading the data",
         "",
         "```python",
         "import pandas as pd",
@@ -97,8 +98,8 @@ def _measure(said: Description) -> Iterable[str]:
         "",
         "`pyarrow.dataset.dataset(\"dataset\", partitioning=\"hive\")`, "
         "`polars.scan_parquet(\"dataset/**/*.parquet\", hive_partitioning=True)` and, in DuckDB, "
-        "`from read_parquet('dataset/*/*.parquet', hive_partitioning = true)` read the parts too; "
-        "`block` then comes from the names of the folders.",
+        "`from read_parquet('dataset/*/*.parquet', hive_partitioning = true)` read the parts as "
+        "well; the column `block` is then taken from the names of the folders.",
     ]  # fmt: skip
 
 
@@ -113,47 +114,50 @@ def _making(said: Description) -> Iterable[str]:
     contact = ", ".join(f"{key}: {value}" for key, value in sorted(setup["contact"].items()))
     versions = ", ".join(f"{k} {v}" for k, v in sorted(said.versions["versions"].items()))
     pair = (
-        "Spheres meet each other with the coefficients with which they meet the plate."
+        "Contacts between spheres have the same coefficients as contacts with the plate."
         if setup["pair_interaction"] is None
-        else f"Spheres meet each other with {dict(setup['pair_interaction'])}."
+        else f"Contacts between spheres have the coefficients {dict(setup['pair_interaction'])}."
     )
     return [
         "## How it was made",
         "",
         f"Spheres of one radius fall from a patch, the factory, of "
         f"{1e3 * setup['patch_length']:g} x {1e3 * setup['patch_width']:g} mm, "
-        f"{1e3 * setup['fall_height']:g} mm above the centre of a plate of {plate}, fed at {feed}. "
-        "Their contacts follow Hertz and Mindlin with damping, Coulomb and rolling friction "
-        f"({contact}). {pair} The time step is {setup['time_step_fraction']:g} of the Rayleigh "
-        "time. Worn volume is Archard's: constant times normal force times distance, in three "
-        "wear measures of distance: *total*, all tangential motion under load; *sliding*, only while "
-        "Coulomb's limit is active; *friction*, friction work over the coefficient of friction. "
-        f"The plate is divided into facets of {1e3 * setup['facet_size']:g} "
-        "mm. A rate is the slope of the worn volume in the steady state, from batch means; a case "
-        f"runs for at least {setup['window']:g} s of it, until its relative standard error is "
-        f"below {setup['target_stderr']:g} or {setup['max_time']:g} s are over.",
+        f"{1e3 * setup['fall_height']:g} mm above the centre of a plate of {plate}. The feed is "
+        f"{feed}. The contact model is Hertz-Mindlin with damping, Coulomb friction and rolling "
+        f"friction ({contact}). {pair} The time step is {setup['time_step_fraction']:g} of the "
+        "Rayleigh time. The worn volume follows Archard's law: constant times normal force times "
+        "sliding distance. Three wear measures differ in the distance: *total*, all tangential "
+        "motion under load; *sliding*, only while Coulomb's limit is active; *friction*, friction "
+        "work divided by the coefficient of friction. "
+        f"The plate is divided into facets of {1e3 * setup['facet_size']:g} mm. A wear rate is the "
+        "slope of the worn volume in the steady state, with a standard error from batch means. The "
+        f"steady state is simulated for at least {setup['window']:g} s, and until the relative "
+        f"standard error is below {setup['target_stderr']:g} or {setup['max_time']:g} s are "
+        "simulated.",
         "",
         f"Parameters were drawn by `{sampling['method']}` in {sampling['blocks']} blocks of "
-        f"{sampling['cases_per_block']}, seed {said.config['seed']}, each quantity evenly over its "
-        "range and independent of the others. `config.yaml` holds every option.",
+        f"{sampling['cases_per_block']} with seed {said.config['seed']}, each quantity uniformly "
+        "over its range and independently of the others. `config.yaml` contains all options.",
         "",
-        f"Software: {versions}. `versions.json` also holds a hash of the code of each step. The "
+        f"Software: {versions}. `versions.json` also contains a hash of the code of each step. The "
         "same configuration, seed and code give the same numbers on any number of cores.",
     ]
 
 
 def _quantities(said: Description) -> Iterable[str]:
     lines = [
-        "## Ranges drawn from",
+        "## Sampled ranges",
         "",
-        "| | column | unit | from | to | what it is |",
+        "| | column | unit | from | to | quantity |",
         "| --- | --- | --- | ---: | ---: | --- |",
     ]
     for row in SAMPLED:
         drawn = said.config["sampling"]["ranges"][row.config_key]
         low, high = (float(f"{bound * row.config_factor:.6g}") for bound in drawn)
         lines.append(
-            f"| {row.symbol} | `{row.name}` | {row.unit} | {low:g} | {high:g} | {LABELS[row.name].long_name} |"
+            f"| {row.symbol} | `{row.name}` | {row.unit} | {low:g} | {high:g} | "
+            f"{LABELS[row.name].long_name} |"
         )
     return lines
 
@@ -164,7 +168,7 @@ def _columns(said: Description) -> Iterable[str]:
     lines = [
         "## Columns of dataset.parquet",
         "",
-        "| column | unit | lowest | median | highest | what it is |",
+        "| column | unit | lowest | median | highest | meaning |",
         "| --- | --- | ---: | ---: | ---: | --- |",
     ]
     for name, dtype, unit, words in table.columns:
@@ -182,8 +186,8 @@ def _quality(said: Description) -> Iterable[str]:
     return [
         "## Quality",
         "",
-        f"{said.summary['cases_without_flag']} cases have `quality` = `ok`. The others keep their "
-        "row; leave them out where it matters:",
+        f"{said.summary['cases_without_flag']} cases have `quality` = `ok`. Flagged cases are "
+        "included; exclude them where necessary:",
         "",
         "| flag | cases | meaning |",
         "| --- | ---: | --- |",
@@ -203,40 +207,38 @@ def _limits(said: Description) -> Iterable[str]:
         "",
         "- **Noise.** The relative standard error of `wear_total_mean` is "
         f"{relative.median():.2%} in the median and {relative.quantile(0.95):.2%} at the 95th "
-        f"percentile. {noise['cases']} cases of large particles simulated again with other seeds "
-        f"({noise['replicates']} runs) show that no model of this column can exceed R2 = "
-        f"{noise['r2_floor']:.5f} ({noise['r2_floor_band'][0]:.5f} to "
-        f"{noise['r2_floor_band'][1]:.5f}). The columns `max` and `p99` rest on a few facets, "
+        f"percentile. {noise['cases']} cases with large particles were simulated again with other "
+        f"seeds ({noise['replicates']} runs). They show that no model of this column can exceed "
+        f"R2 = {noise['r2_floor']:.5f} ({noise['r2_floor_band'][0]:.5f} to "
+        f"{noise['r2_floor_band'][1]:.5f}). The columns `max` and `p99` are based on a few facets, "
         "are noisier, and depend on the size of the facets"
         + (
-            f"; `wear_total_p99` is zero in {untouched} cases, whose particles left most facets "
-            "untouched."
+            f"; `wear_total_p99` is zero in {untouched} cases, in which most facets were not hit."
             if untouched
             else "."
         ),
         f"- **Beds.** {BEDS}",
         "- **Time step.** "
         + (
-            f"At {step:g} of the Rayleigh time it biases {bias}."
+            f"A time step of {step:g} of the Rayleigh time biases {bias}."
             if bias
-            else f"The bias at {step:g} of the Rayleigh time was not measured."
+            else f"The bias of a time step of {step:g} of the Rayleigh time was not measured."
         ),
         "- **Failed cases.** "
         + (
-            f"{len(said.failures)} cases gave no rate and are missing, not at random; "
-            f"`failures.parquet` says why (most often: {reasons.index[0]})."
+            f"{len(said.failures)} cases gave no rate. They are not missing at random; "
+            f"`failures.parquet` gives the reasons (most often: {reasons.index[0]})."
             if len(said.failures)
             else "None."
         ),
-        "- **Physics.** Smooth dry spheres of one radius; a rigid flat plate whose wear does not "
-        "change its shape; wear proportional to Archard's constant, which does not act on the "
-        "motion; no fracture, no plasticity, no temperature. Which reading of Archard's law a "
-        "metal follows is an open question: the three differ.",
-        "- **Ranges.** Quantities were drawn independently, so that most rows are no real "
-        "material. Nothing is known outside the ranges, and a model of these rows should not be "
-        "trusted there.",
-        "- **Rates are simulated**, checked against closed forms, published tests and other "
-        "codes, not against wear measured in this arrangement.",
+        "- **Physics.** Smooth dry spheres of one radius; a rigid flat plate whose shape is not "
+        "changed by wear; wear proportional to Archard's constant, without effect on the motion; "
+        "no fracture, plasticity or temperature. It is an open question which of the three wear "
+        "measures applies to a metal; they differ.",
+        "- **Ranges.** Quantities were drawn independently, so most rows do not describe a real "
+        "material. Models trained on these data should not be used outside the ranges.",
+        "- **The rates are simulated.** They were checked against closed forms, published tests "
+        "and other codes, but not against wear measured in this arrangement.",
     ]
 
 
@@ -244,7 +246,8 @@ def _rights(said: Description) -> Iterable[str]:
     return [
         "## Licence and citation",
         "",
-        f"[{LICENCE_NAME} ({LICENCE})]({LICENCE_URL}): use it for anything, and name its source:",
+        f"[{LICENCE_NAME} ({LICENCE})]({LICENCE_URL}): free to use for any purpose with this "
+        "citation:",
         "",
         f"> {said.citation}",
         "",
@@ -252,7 +255,7 @@ def _rights(said: Description) -> Iterable[str]:
         said.bibtex,
         "```",
         "",
-        "The programs that made it are under a licence of their own (MIT).",
+        "The software is licensed separately (MIT).",
     ]
 
 

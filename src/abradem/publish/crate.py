@@ -1,4 +1,4 @@
-"""The RO-Crate of the run: what it took, what it ran with, what it made, with hashes.
+"""The RO-Crate of the run: its input, software and results, with hashes.
 
 RO-Crate 1.1 (https://w3id.org/ro/crate/1.1) and its profile for runs of a program, Process Run
 Crate 0.5 (https://w3id.org/ro/wfrun/process/0.5).
@@ -13,11 +13,11 @@ SHA256 = "https://w3id.org/ro/terms/workflow-run#sha256"
 PYTHON = "https://www.python.org/"
 INPUT = "config.yaml"
 ABOUT = ("README.md", "croissant.json")
-"""Files that say something of the results, and were not made by the run."""
+"""Files that describe the results and were not made by the run."""
 
 
 def crate(description: Description) -> dict:
-    """The descriptor, to be written as ro-crate-metadata.json beside the files."""
+    """The RO-Crate descriptor, the content of ro-crate-metadata.json."""
     versions = dict(description.versions["versions"])
     ours = versions.pop("abradem")
     made = [f for f in description.files if f.name not in (INPUT, *ABOUT)]
@@ -57,8 +57,8 @@ def crate(description: Description) -> dict:
         "name": f"Run of the study {description.study}",
         "description": (
             f"snakemake with config.yaml of this crate, seed {description.versions['seed']}; "
-            f"{_source(description)}versions.json holds a hash of the code of every step and all "
-            "packages of the environment"
+            f"{_source(description)}versions.json contains a hash of the code of every step and "
+            "all packages of the environment"
         ),
         "instrument": {"@id": "#abradem"},
         "agent": {"@id": creators[0]["@id"]},
@@ -75,7 +75,7 @@ def crate(description: Description) -> dict:
         "softwareRequirements": _ids(packages),
     }
     return {
-        # The context of RO-Crate 1.1 knows no hash; the profile's does.
+        # The context of RO-Crate 1.1 does not define a hash, the profile does.
         "@context": ["https://w3id.org/ro/crate/1.1/context", {"sha256": SHA256}],
         "@graph": [
             {
@@ -108,7 +108,7 @@ def crate(description: Description) -> dict:
 
 
 def _source(description: Description) -> str:
-    """Where the code stood, where it came from a repository."""
+    """Commit of the code, if it came from a repository."""
     source = description.versions.get("source")
     if not source:
         return ""
@@ -116,7 +116,7 @@ def _source(description: Description) -> str:
 
 
 def _ids(entities: list[dict]) -> list[dict] | dict:
-    """References to entities; to a single one without a list, as the format recommends."""
+    """References to entities; a single reference without a list, as the format recommends."""
     found = [{"@id": entity["@id"]} for entity in entities]
     return found[0] if len(found) == 1 else found
 

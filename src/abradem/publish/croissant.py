@@ -1,4 +1,4 @@
-"""The Croissant 1.0 descriptor: files, tables and columns, for loaders of machine learning.
+"""The Croissant 1.0 descriptor: files, tables and columns, for machine-learning data loaders.
 
 Format: http://mlcommons.org/croissant/1.0.
 """
@@ -45,10 +45,10 @@ CONTEXT = {
     "subField": "cr:subField",
     "transform": "cr:transform",
 }
-"""The context as the specification prescribes it."""
+"""The JSON-LD context prescribed by the specification."""
 
 TABLES = ("dataset.parquet", "cases.parquet", "failures.parquet")
-"""Files that are described column by column; so is one part of each partitioned table."""
+"""Files described column by column, in addition to one part of each partitioned table."""
 
 _TYPES = {
     "double": "sc:Float",
@@ -60,7 +60,7 @@ _TYPES = {
 
 
 def croissant(description: Description) -> dict:
-    """The descriptor, to be written as croissant.json beside the files."""
+    """The Croissant descriptor, the content of croissant.json."""
     tables = [file for file in description.files if file.name in TABLES]
     parts = {file.folder: file for file in description.files if file.folder in PARTITIONED}
     return {
@@ -116,7 +116,7 @@ def _file_set(folder: str) -> dict:
         "@type": "cr:FileSet",
         "@id": f"{folder}-parts",
         "name": f"{folder}-parts",
-        "description": f"{PARTITIONED[folder]}; folders block=0, block=1 ... name the block",
+        "description": f"{PARTITIONED[folder]}; one folder per block: block=0, block=1 ...",
         "encodingFormat": "application/x-parquet",
         "includes": f"{folder}/*/*.parquet",
     }

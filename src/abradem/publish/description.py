@@ -1,4 +1,4 @@
-"""What card and descriptors say, and which files they list."""
+"""Texts and files that the data card and the descriptors share."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ LICENCE_NAME = "Creative Commons Attribution 4.0 International"
 LICENCE_URL = "https://creativecommons.org/licenses/by/4.0/"
 
 PARTITIONED = {
-    "dataset": "The data set in one part for each block",
+    "dataset": "The data set in one part per block",
     "series": "Worn volume (Archard constant 1 1/Pa) and particles present over time, by case",
-    "maps": "Wear of each facet within the window, for an Archard constant of 1 1/Pa",
-    "runs": "How each simulation ended: status, times, feed, standard error",
+    "maps": "Wear of each facet within the averaging window, for an Archard constant of 1 1/Pa",
+    "runs": "Outcome of each simulation: status, times, feed, standard error",
 }
-"""Folders that hold one table in parts, by block."""
+"""Folders with one table in parts, by block."""
 
 _WORDS = {
-    "README.md": "Data card: how the data were made, ranges, units, known limits",
+    "README.md": "Data card: origin of the data, ranges, units, known limits",
     "croissant.json": "Croissant descriptor of the tables",
     "ro-crate-metadata.json": "RO-Crate descriptor of the run",
-    "dataset.parquet": "The data set, one row for each case: quantities and wear depth rates",
-    "cases.parquet": "Parameter sets of all cases, also of those that gave no rate",
-    "failures.parquet": "Cases that gave no wear rate, and why",
-    "config.yaml": "Configuration of the run, defaults filled in",
+    "dataset.parquet": "The data set, one row per case: quantities and wear depth rates",
+    "cases.parquet": "Parameter sets of all cases, including those that gave no rate",
+    "failures.parquet": "Cases that gave no wear rate, with reasons",
+    "config.yaml": "Configuration of the run, with defaults",
     "versions.json": "Versions of all packages, commit, seed, hashes of the code of each step",
     "summary.json": "Headline numbers",
 }
 _FOLDER_WORDS = {
     "figures": "Figure",
     "tables": "Table",
-    "models": "Model that knows the physics",
+    "models": "Physics-informed model",
     "learning": "Model, its scores or predictions",
 }
 _MEDIA_TYPES = {
@@ -52,18 +52,18 @@ _MEDIA_TYPES = {
 
 @dataclass(frozen=True)
 class File:
-    """A file of the folder.
+    """A file of the published folder.
 
     Parameters
     ----------
     name : str
         Path within the folder, with slashes.
     size : int
-        Bytes.
+        Size in bytes.
     sha256 : str
         Hexadecimal.
     columns : tuple
-        Of a Parquet table: name, type, unit and meaning of each column.
+        Name, type, unit and meaning of each column of a Parquet table; empty for other files.
     """
 
     name: str
@@ -73,30 +73,30 @@ class File:
 
     @property
     def media_type(self) -> str:
-        """Its MIME type."""
+        """MIME type."""
         return _MEDIA_TYPES[PurePosixPath(self.name).suffix]
 
     @property
     def folder(self) -> str:
-        """First folder of its path, empty for none."""
+        """First folder of the path; empty for files at the top."""
         return self.name.partition("/")[0] if "/" in self.name else ""
 
     @property
     def words(self) -> str:
-        """What it holds."""
+        """Description of the content."""
         if self.folder in PARTITIONED:
             return PARTITIONED[self.folder]
         return _WORDS.get(self.name) or f"{_FOLDER_WORDS[self.folder]}: {self.stem}"
 
     @property
     def stem(self) -> str:
-        """Its name without folders and suffix, in words."""
+        """Name without folders and suffix, with spaces instead of underscores."""
         return PurePosixPath(self.name).stem.replace("_", " ")
 
 
 @dataclass(frozen=True)
 class Description:
-    """Everything that card and descriptors say.
+    """The content of the data card and the descriptors.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ class Description:
         ``date`` as YYYY-MM-DD.
     creators : tuple of str
     url : str or None
-        Where the data set can be had.
+        Address of the published data set.
     config, setup, summary, noise, versions : mapping
         The configuration, plain values of the `Setup`, and the contents of summary.json,
         learning/noise_floor.json and versions.json.
@@ -128,23 +128,23 @@ class Description:
     files: tuple[File, ...]
 
     def with_files(self, files: Iterable[File]) -> Description:
-        """The same with other files."""
+        """The same description with other files."""
         return replace(self, files=tuple(files))
 
     @property
     def abstract(self) -> str:
-        """What the data set is, in three sentences."""
+        """Abstract of the data set, three sentences."""
         return (
             f"Wear depth rates of an inclined plate under a jet of spheres for "
-            f"{len(self.dataset)} sets of material and geometry parameters. Simulated with the "
-            "discrete element method (Hertz-Mindlin contact) and Archard's law of wear by "
-            f"abradem {self.versions['versions']['abradem']}. Each rate comes with its standard "
-            "error and quality flags."
+            f"{len(self.dataset)} sets of material and geometry parameters. They were simulated "
+            f"with abradem {self.versions['versions']['abradem']}, using the discrete element "
+            "method (Hertz-Mindlin contact) and Archard's wear law. Each rate has a standard error "
+            "and quality flags."
         )
 
     @property
     def citation(self) -> str:
-        """How to cite the data set, as text."""
+        """Citation of the data set as text."""
         where = f" {self.url}" if self.url else ""
         return (
             f"{', '.join(self.creators)} ({self.date[:4]}). {self.title} (version "
@@ -153,7 +153,7 @@ class Description:
 
     @property
     def bibtex(self) -> str:
-        """How to cite the data set, as BibTeX."""
+        """Citation of the data set as BibTeX."""
         fields = {
             "author": " and ".join(self.creators),
             "title": self.title,

@@ -1,7 +1,7 @@
-"""The published folder: copies of results, data sets partitioned by block, what describes them.
+"""The published folder: copies of results, tables partitioned by block, data card, descriptors.
 
-The folder is built beside its place and renamed when it is complete. Nothing in it depends on
-the time at which it is made, so that the same results give the same bytes.
+The folder is built under a temporary name and renamed when it is complete. Its content does not
+depend on the time at which it is built, so that the same results give the same bytes.
 """
 
 from __future__ import annotations
@@ -31,14 +31,13 @@ BATCH = re.compile(r"block-(\d+)-batch-(\d+)\.parquet")
 
 @dataclass(frozen=True)
 class Study:
-    """What the folder says of a study.
+    """Name and configuration of the study to be published.
 
     Parameters
     ----------
     name : str
-        Name of the study.
     config : mapping
-        Its whole configuration.
+        The whole configuration.
     setup : mapping
         Plain values of the `Setup`.
     said : mapping
@@ -52,31 +51,31 @@ class Study:
 
 
 def publish(folder: Path, results: Path, files: Iterable[Path], study: Study) -> None:
-    """Make the folder.
+    """Build the published folder.
 
     Parameters
     ----------
     folder : path
-        Where it goes; what is there is replaced when the new one is complete.
+        Path of the folder; an existing one is replaced when the new one is complete.
     results : path
-        Folder of the study.
+        Results of the study.
     files : iterable of path
-        Files below ``results``, copied under the same names. Among them must be
-        dataset.parquet, failures.parquet, config.yaml, versions.json, summary.json and
-        learning/noise_floor.json. Tables ``<name>/block-<block>-batch-<batch>.parquet`` become
+        Files below ``results``, copied under the same names. They must include dataset.parquet,
+        failures.parquet, config.yaml, versions.json, summary.json and learning/noise_floor.json.
+        Tables ``<name>/block-<block>-batch-<batch>.parquet`` become
         ``<name>/block=<block>/batch-<batch>.parquet``.
     study : Study
 
     Raises
     ------
     RuntimeError
-        If mlcroissant is installed and finds the descriptor wrong.
+        If mlcroissant is installed and rejects the descriptor.
     """
     results = Path(results)
     with replacing_folder(folder) as new:
         for source in map(Path, files):
-            if BATCH.fullmatch(source.name):
-                _add_batch(source, new)
+            if batch := BATCH.fullmatch(source.name):
+                _add_batch(source, new, *batch.groups())
             else:
                 _copy(source, new / source.relative_to(results))
         _partition(new / DATASET, new / Path(DATASET).stem)
@@ -97,18 +96,18 @@ def publish(folder: Path, results: Path, files: Iterable[Path], study: Study) ->
             versions=read_json(new / "versions.json"),
             files=tuple(listed(new)),
         )
-        # The crate lists the other two as well; the data are not hashed a second time for that.
+        # The crate also lists the two other descriptors; the data are hashed only once.
         write_json(croissant(description), new / "croissant.json")
         _validate(new / "croissant.json")
         write_text(card(description), new / "README.md")
-        files = [*description.files, *(_file(new / name, name) for name in ABOUT)]
-        files.sort(key=lambda file: PurePosixPath(file.name))
-        write_json(crate(description.with_files(files)), new / "ro-crate-metadata.json")
+        every = [*description.files, *(_file(new / name, name) for name in ABOUT)]
+        every.sort(key=lambda file: PurePosixPath(file.name))
+        write_json(crate(description.with_files(every)), new / "ro-crate-metadata.json")
 
 
 @contextlib.contextmanager
 def replacing_folder(folder: str | Path) -> Iterator[Path]:
-    """An empty folder that takes the place of ``folder`` when the block ends well."""
+    """Context with an empty folder that replaces ``folder`` if the block ends without error."""
     folder = Path(folder)
     new, old = (folder.with_name(f".{folder.name}.{word}") for word in ("new", "old"))
     for left in (new, old):
@@ -125,7 +124,7 @@ def replacing_folder(folder: str | Path) -> Iterator[Path]:
 
 
 def listed(folder: Path) -> list[File]:
-    """All files below a folder, sorted, with sizes, hashes and the columns of tables."""
+    """All files below a folder, sorted by path, with sizes, hashes and the columns of tables."""
     return [
         _file(path, path.relative_to(folder).as_posix())
         for path in sorted(folder.rglob("*"))
@@ -147,7 +146,8 @@ def _file(path: Path, name: str) -> File:
 
 def _words(metadata: Mapping[bytes, bytes]) -> tuple[str, str]:
     """Unit and meaning of a column."""
-    return tuple(metadata.get(key, b"").decode("utf-8") for key in (b"units", b"long_name"))
+    unit, meaning = (metadata.get(key, b"").decode("utf-8") for key in (b"units", b"long_name"))
+    return unit, meaning
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -156,13 +156,12 @@ def _copy(source: Path, target: Path) -> None:
 
 
 def _partition(table: Path, folder: Path) -> None:
-    """Write the rows of each block as a part; the folder's name says the block, as Hive does."""
+    """Write the rows of each block as a part, with Hive-style names of the folders."""
     for block, rows in read_table(table).groupby("block", sort=True):
         _write_part(rows, folder / f"block={block}" / "part-0.parquet")
 
 
-def _add_batch(source: Path, folder: Path) -> None:
-    block, batch = BATCH.fullmatch(source.name).groups()
+def _add_batch(source: Path, folder: Path, block: str, batch: str) -> None:
     target = folder / source.parent.name / f"block={int(block)}" / f"batch-{batch}.parquet"
     if "block" in pq.read_schema(source).names:
         _write_part(read_table(source), target)
@@ -171,7 +170,7 @@ def _add_batch(source: Path, folder: Path) -> None:
 
 
 def _write_part(rows: pd.DataFrame, path: Path) -> None:
-    # Readers take the block from the folder's name; a column of that name would be in conflict.
+    # Readers take the block from the name of the folder, which would conflict with a column.
     write_table(rows.drop(columns="block").reset_index(drop=True), path)
 
 

@@ -1,4 +1,4 @@
-"""What the models of a study say, in sentences made from the numbers, for the report."""
+"""Findings of the physics-informed models as sentences for the report, generated from results."""
 
 from __future__ import annotations
 
@@ -30,22 +30,29 @@ def findings(
     noise: Mapping | None = None,
     speed: Mapping | None = None,
 ) -> list[tuple[str, str]]:
-    """Headings and paragraphs.
+    """Findings of a study.
 
     Parameters
     ----------
     physical, intervals, surrogate, sensitivity : mapping
-        The JSON files of these stages.
+        Contents of the JSON files of these workflow steps.
     curve, extrapolation : pandas.DataFrame
         From `abradem.learning.physical.reach`.
     indices, falls : pandas.DataFrame
         From `abradem.learning.physical.sensitivity`.
-    noise, speed : mapping, optional
-        From `abradem.learning.physical.noise_floor` and `abradem.learning.physical.speed_up`; None without simulations.
+    noise : mapping, optional
+        From `abradem.learning.physical.noise_floor`; None without simulations.
+    speed : mapping, optional
+        From `abradem.learning.physical.speed_up`; None without simulations.
+
+    Returns
+    -------
+    list of tuple of str
+        Heading and text of each paragraph.
     """
     found = [
         ("Comparison", _comparison(physical, surrogate, noise)),
-        ("Power law", f"{physical['equation']}. It leaves a scatter of "
+        ("Power law", f"{physical['equation']}. The residual scatter is "
                       f"{_percent(physical['scatter'])}."),
         ("Intervals", _intervals(intervals)),
         ("Learning curve", _curve(curve)),
@@ -59,7 +66,7 @@ def findings(
 
 
 def to_html(title: str, paragraphs: list[tuple[str, str]]) -> str:
-    """A page without scripts or styles from elsewhere."""
+    """A self-contained HTML page with the findings."""
     body = "\n".join(
         f"<h2>{html.escape(heading)}</h2>\n<p>{html.escape(text)}</p>"
         for heading, text in paragraphs
@@ -75,7 +82,7 @@ def to_html(title: str, paragraphs: list[tuple[str, str]]) -> str:
 
 def _comparison(physical: Mapping, surrogate: Mapping, noise: Mapping | None) -> str:
     scores = {**physical["scores"], "surrogate": surrogate["scores"]}
-    names = {**NAMES, "surrogate": "surrogate distilled from it"}
+    names = {**NAMES, "surrogate": "surrogate distilled from the Gaussian process"}
     listed = "; ".join(
         f"{names[name]} {_number(scores[name]['test']['R2']['median'])} "
         f"({_number(scores[name]['test']['R2']['lower'])} to "
@@ -83,21 +90,21 @@ def _comparison(physical: Mapping, surrogate: Mapping, noise: Mapping | None) ->
         for name in names
     )
     text = (
-        "R2 on held-out cases, median over the splits (surrogate: the first of them) with their "
-        f"central share: {listed}."
+        "R2 on held-out cases, median over the splits (surrogate: over the first splits) and "
+        f"central share of the splits: {listed}."
     )
     if noise is not None and noise["r2_floor"] is not None:
         best = scores[BEST]["test"]["R2"]["median"]
         low, high = noise["r2_floor_band"]
         text += (
-            f" The scatter of the simulations alone limits any model to {noise['r2_floor']:.5f} "
-            f"({low:.5f} to {high:.5f}, {noise['replicates']} simulations of {noise['cases']} "
-            f"cases with other seeds; {noise['r2_floor_of_stated_errors']:.5f} by the standard "
-            f"errors that the simulations state, whose variance is {1.0 / noise['ratio']:.2g} "
+            f" The noise of the simulations limits any model to {noise['r2_floor']:.5f} "
+            f"({low:.5f} to {high:.5f}, from {noise['replicates']} simulations of {noise['cases']} "
+            f"cases with other seeds; {noise['r2_floor_of_stated_errors']:.5f} from the standard "
+            f"errors of the simulations, whose variance is {1.0 / noise['ratio']:.2g} "
             "times that over the seeds). "
         )
         if best is not None:
-            text += f"The {NAMES[BEST]} stays {noise['r2_floor'] - best:.4f} below."
+            text += f"The {NAMES[BEST]} is {noise['r2_floor'] - best:.4f} below this limit."
     return text.strip()
 
 
@@ -124,7 +131,7 @@ def _curve(curve: pd.DataFrame) -> str:
     for name, rows in curve.groupby("model", sort=False):
         steps = ", ".join(f"{row.r2:.4f} from {row.trained}" for row in rows.itertuples())
         parts.append(f"{NAMES[name]} {steps}")
-    return f"R2 by training cases: {'; '.join(parts)}."
+    return f"R2 by number of training cases: {'; '.join(parts)}."
 
 
 def _extrapolation(extrapolation: pd.DataFrame) -> str:
@@ -135,23 +142,24 @@ def _extrapolation(extrapolation: pd.DataFrame) -> str:
             f"{NAMES[row.model]} {row.r2:.3f}" for row in rows[rows["model"] != BEST].itertuples()
         )
         parts.append(
-            f"{words} ({best['tested']} cases): {NAMES[BEST]} {best['r2']:.3f} (with such cases "
-            f"seen {best['within_r2']:.3f}; {100.0 * best['coverage']:.0f} % inside its 95 % "
-            f"intervals), {others}"
+            f"{words} ({best['tested']} cases): {NAMES[BEST]} {best['r2']:.3f} (trained on such "
+            f"cases as well: {best['within_r2']:.3f}; {100.0 * best['coverage']:.0f} % inside its "
+            f"95 % intervals), {others}"
         )
-    return f"R2 on cases beyond what was learned from. {'. '.join(parts)}."
+    return f"R2 on cases beyond the training ranges. {'. '.join(parts)}."
 
 
 def _speed(speed: Mapping) -> str:
     return (
-        f"The same cases in one job on one core: {speed['simulated_seconds']['mean']:.3g} s "
-        f"simulated (mean of {len(speed['cases'])} cases with particles of "
+        f"For the same cases in one job on one core, a simulation takes "
+        f"{speed['simulated_seconds']['mean']:.3g} s "
+        f"(mean of {len(speed['cases'])} cases with particles of "
         f"{1e3 * min(speed['radii']):.0f} to {1e3 * max(speed['radii']):.0f} mm; "
-        f"median {speed['simulated_seconds']['median']:.2g} s), "
-        f"{1e3 * speed['predicted_seconds']:.2g} ms predicted: "
-        f"{_round(speed['speed_up'])} times faster, in a batch of {speed['batch']} "
-        f"({speed['predictions_per_second']:.2g} predictions per second) "
-        f"{_round(speed['speed_up_of_a_batch'])} times."
+        f"median {speed['simulated_seconds']['median']:.2g} s) and a prediction "
+        f"{1e3 * speed['predicted_seconds']:.2g} ms. A single prediction is "
+        f"{_round(speed['speed_up'])} times faster; with {speed['batch']} cases in one call "
+        f"({speed['predictions_per_second']:.2g} predictions per second) it is "
+        f"{_round(speed['speed_up_of_a_batch'])} times faster."
     )
 
 
@@ -164,7 +172,7 @@ def _percent(value: float) -> str:
 
 
 def _round(value: float) -> str:
-    """Two digits, in thousands or millions."""
+    """A number with two digits, in thousands or millions."""
     for size, word in ((1e6, " million"), (1e3, " thousand")):
         if value >= size:
             return f"{float(f'{value / size:.2g}'):g}{word}"
@@ -177,22 +185,22 @@ def _sensitivity(verdict: Mapping, indices: pd.DataFrame, falls: pd.DataFrame) -
     by_loss = falls.sort_values("fall", ascending=False)
     count = len(verdict["dominant"])
     listed = ", ".join(
-        f"{LABELS[row.feature].long_name} ({row.total:.2f}; alone {row.first:.2f})"
+        f"{LABELS[row.feature].long_name} ({row.total:.2f}; first order {row.first:.2f})"
         for row in wear[:count].itertuples(index=False)
     )
     text = [
-        f"Four quantities explain most of the variance of the wear over the ranges of this table, "
-        f"by their total Sobol index: {listed}."
+        "Four quantities explain most of the variance of the wear over the ranges of this data "
+        f"set, by total Sobol index: {listed}."
     ]
     if verdict["agrees"]:
-        text.append("They are the four that the paper names.")
+        text.append("They are the four named in the paper.")
     else:
         missed = [name for name in verdict["paper"] if name not in verdict["dominant"]]
         new = [name for name in verdict["dominant"] if name not in verdict["paper"]]
         shares = ", ".join(f"{total[name]:.2f}" for name in missed)
         text.append(
             f"The paper names {len(verdict['shared'])} of them; instead of {_listed(new)} it names "
-            f"{_listed(missed)}, here {shares}."
+            f"{_listed(missed)} (total index here: {shares})."
         )
     losses = [
         f"{LABELS[row.feature].long_name} ({row.fall:.2f})"
@@ -200,8 +208,8 @@ def _sensitivity(verdict: Mapping, indices: pd.DataFrame, falls: pd.DataFrame) -
     ]
     first = by_loss.iloc[0]
     text.append(
-        f"Shuffled among held-out cases, {LABELS[first['feature']].long_name} costs most of R2 "
-        f"({first['fall']:.2f}), then {', '.join(losses)}."
+        f"When shuffled among held-out cases, {LABELS[first['feature']].long_name} causes the "
+        f"largest fall of R2 ({first['fall']:.2f}), followed by {', '.join(losses)}."
     )
     if verdict["hardly_any_effect"]:
         text.append(

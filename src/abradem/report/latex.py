@@ -1,24 +1,24 @@
-r"""Tables (booktabs) and numbers for a LaTeX text, each with the place that it was read from.
+r"""Tables (booktabs) and numbers for a LaTeX text, each with its source in the results.
 
-Every number is looked up in a file of the results by a short text, its *place*, and the same
-text stands behind it as a comment, so that it can be found again. In JSON and YAML a place is a
-path, ``models.0.r2``. In a table it is a column and the rows meant::
+Every number is looked up in a result file by a short expression, its *place*, which is also
+written as a comment next to the number. In JSON and YAML a place is a path, such as
+``models.0.r2``. In a table it is a column and a condition on the rows::
 
     r2 where model=ga_ann, protocol=leakage_free, basis=fixed split
     min wear_total_mean
     count where status=ok
 
-with min, max, median, mean, sum or count before it where several rows are meant. ``numbers.tex``
-defines one macro for each number, such as ``\NumberOfCases``; macros hold letters only.
+preceded by min, max, median, mean, sum or count if several rows match. ``numbers.tex`` defines one
+macro for each number, such as ``\NumberOfCases``; names of macros consist of letters only.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -27,7 +27,7 @@ from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED, quantity
 from abradem.words.labels import LABELS
 
 MISSING = "--"
-"""Printed where there is no number."""
+"""Printed instead of a missing number."""
 
 DERIVATIONS = {
     "particle_youngs_modulus": r"2 G_p (1 + \nu_p)",
@@ -44,7 +44,7 @@ DERIVATIONS = {
 
 _UNITS = {"1": "", "kg/m3": r"kg/m\textsuperscript{3}", "deg": r"\textdegree", "%": r"\%"}
 
-_AGGREGATES = {
+_AGGREGATES: dict[str, Callable[..., Any]] = {
     "min": np.min,
     "max": np.max,
     "median": np.median,
@@ -54,20 +54,20 @@ _AGGREGATES = {
 
 
 class PlaceError(ValueError):
-    """A place that a file does not hold; the message is one line."""
+    """A place that does not exist in a file; the message is one line."""
 
 
 class Number(NamedTuple):
-    """A number as printed, and where it was read.
+    """A number as printed, and its source.
 
     Attributes
     ----------
     text : str
-        LaTeX.
+        The number as LaTeX.
     file, place : str
-        The file, from the study's folder, and the place in it.
+        The file, relative to the folder of the study, and the place in it.
     percent : bool
-        Whether it is printed times 100.
+        Whether the number is multiplied by 100.
     """
 
     text: str
@@ -77,42 +77,47 @@ class Number(NamedTuple):
 
     @property
     def source(self) -> str:
-        """What the comment says."""
+        """Text of the comment that states the source."""
         return f"{self.file}: {self.place}{' [x 100]' if self.percent else ''}"
 
 
 @dataclass(frozen=True)
 class CitedResults:
-    """The files of a study that numbers are read from.
+    """The result files of a study from which numbers are cited.
 
     Parameters
     ----------
     files : mapping of str to DataFrame or plain data
-        Tables and the content of JSON and YAML files, by their path from the study's folder.
+        Tables, and contents of JSON and YAML files, by path relative to the folder of the study.
     """
 
-    files: Mapping[str, object]
+    files: Mapping[str, Any]
 
     def value(self, file: str, place: str):
-        """The value at a place; raises `PlaceError` if there is none, or more than one."""
+        """The value at a place; raises `PlaceError` if there is no value or more than one."""
         return cited_value(self.files[file], place, file)
 
     def number(self, file: str, place: str, form: str = "3s", percent: bool = False) -> Number:
-        """The number at a place as printed, see `printed`."""
+        """The number at a place, formatted by `printed`."""
         value = self.value(file, place)
         shown = 100.0 * value if percent and isinstance(value, (int, float)) else value
         return Number(printed(shown, form), file, place, percent)
 
 
 def cited_value(data, place: str, file: str = "results"):
-    """The value at a place, see the module.
+    """The value at a place, as described in the module docstring.
 
     Parameters
     ----------
     data : pandas.DataFrame or plain data
     place : str
     file : str
-        Named in errors.
+        Name of the file in error messages.
+
+    Raises
+    ------
+    PlaceError
+        If there is no value at the place, or more than one.
     """
     if isinstance(data, pd.DataFrame):
         return _in_table(data, place, file)
@@ -142,11 +147,11 @@ def _in_table(table: pd.DataFrame, place: str, file: str):
         raise PlaceError(f"{file}: {place}: there is no column {column!r}")
     values = rows[column].dropna() if aggregate else rows[column]
     if aggregate and aggregate not in _AGGREGATES:
-        raise PlaceError(f"{file}: {place}: {aggregate!r} is none of {', '.join(_AGGREGATES)}")
+        raise PlaceError(f"{file}: {place}: {aggregate!r} is not one of {', '.join(_AGGREGATES)}")
     if aggregate:
         return float(_AGGREGATES[aggregate](values)) if len(values) else math.nan
     if len(values) != 1:
-        raise PlaceError(f"{file}: {place}: {len(values)} rows, one is meant")
+        raise PlaceError(f"{file}: {place}: {len(values)} rows, expected one")
     value = values.iloc[0]
     return value.item() if isinstance(value, np.generic) else value
 
@@ -157,11 +162,11 @@ def printed(value, form: str) -> str:
     Parameters
     ----------
     value : number, str or list
-        None and nan are printed as a dash, lists with dashes between their items.
+        None and nan are printed as a dash, lists with hyphens between their items.
     form : str
-        ``d`` for whole numbers, ``2f`` for two decimals, ``3s`` for three digits whatever they
-        are, ``3g`` for three without zeros at the end, ``text``; large and small numbers get a
-        power of ten.
+        ``d`` for integers, ``2f`` for two decimals, ``3s`` for three significant digits, ``3g``
+        for three significant digits without trailing zeros, ``text`` for text. Large and small
+        numbers are printed with a power of ten.
     """
     if isinstance(value, (list, tuple)):
         return "-".join(printed(item, form) for item in value)
@@ -171,11 +176,11 @@ def printed(value, form: str) -> str:
         return MISSING
     if form == "d":
         if value != int(value):
-            raise ValueError(f"{value!r} is no whole number")
+            raise ValueError(f"{value!r} is not an integer")
         return _signed(f"{int(value):d}")
     digits, kind = int(form[:-1]), form[-1]
     if kind == "f" and abs(value) < 1e4:
-        # Minus zero is zero.
+        # Print minus zero as zero.
         return _signed(f"{round(value, digits) + 0.0:.{digits}f}")
     text = f"{value:.{digits}g}"
     if kind == "s":
@@ -192,7 +197,7 @@ def _signed(text: str) -> str:
 
 
 def parsed(text: str) -> float:
-    """The number that `printed` printed; nan for a dash."""
+    """The number from a text made by `printed`; nan for a dash."""
     if text == MISSING:
         return math.nan
     plain = text.removeprefix(r"\ensuremath{")
@@ -202,7 +207,7 @@ def parsed(text: str) -> float:
 
 
 def resolution(text: str) -> float:
-    """Half of the last printed digit of a number: how far it may be from its source."""
+    """Half a unit of the last printed digit, the largest rounding error of a printed number."""
     plain = re.sub(r"\\ensuremath\{|[{}]", "", text)
     mantissa, _, power = plain.partition(r"\times10^")
     decimals = len(mantissa.partition(".")[2])
@@ -210,12 +215,12 @@ def resolution(text: str) -> float:
 
 
 def escaped(text: str) -> str:
-    """Text with the characters that LaTeX would take for commands."""
+    """Text with the special characters of LaTeX escaped."""
     return re.sub(r"([&%$#_{}])", r"\\\1", text)
 
 
 def numbers_tex(numbers: Mapping[str, Number], study: str) -> str:
-    """The file of macros, one for each number, with the source of each."""
+    """Content of ``numbers.tex``: one macro for each number, with its source as a comment."""
     wrong = [name for name in numbers if not re.fullmatch(r"[A-Za-z]+", name)]
     if wrong:
         raise ValueError(f"macro {wrong[0]!r}: letters only")
@@ -230,7 +235,7 @@ def numbers_tex(numbers: Mapping[str, Number], study: str) -> str:
 def table_tex(
     columns: str, head: Sequence[str], rows: Iterable[Sequence[str | Number]], study: str
 ) -> str:
-    """A table in the style of booktabs; behind each row the sources of its numbers, in order.
+    """A booktabs table; the sources of the numbers follow each row as a comment, in order.
 
     Parameters
     ----------
@@ -257,7 +262,7 @@ def table_tex(
 
 
 def camel(name: str) -> str:
-    """A name as part of a macro: ``ga_ann`` becomes ``GaAnn``; other characters than letters go."""
+    """A name as part of a macro: ``ga_ann`` becomes ``GaAnn``; only letters are kept."""
     return "".join(re.sub(r"[^A-Za-z]", "", part).capitalize() for part in name.split("_"))
 
 
@@ -273,13 +278,18 @@ _PROTOCOLS = {"as_published": "Published", "leakage_free": ""}
 
 
 def study_numbers(results: CitedResults) -> dict[str, Number]:
-    """Macros of everything that a text on a study would cite, as far as the files hold it.
+    """Macros for the numbers that a text on a study would cite.
 
     Parameters
     ----------
     results : CitedResults
         ``CONFIG``, ``DATASET``, ``SUMMARY``, ``COMPARISON``, ``BESIDE``, ``SCORES`` and
-        ``NETWORKS``; ``CHECKS`` where there was a verification.
+        ``NETWORKS``; ``CHECKS`` if there was a verification.
+
+    Returns
+    -------
+    dict of str to Number
+        By name of the macro.
     """
     number = results.number
     simulated = results.value(SUMMARY, "external") is None
@@ -332,10 +342,10 @@ def _of_configuration(results: CitedResults) -> dict[str, Number]:
 
 def _of_models(results: CitedResults) -> dict[str, Number]:
     comparison = results.files[COMPARISON]
-    found = {}
+    found: dict[str, Number] = {}
     for row in comparison.itertuples(index=False):
         stem = f"Rsquared{camel(row.model)}{_PROTOCOLS.get(row.protocol, camel(row.protocol))}"
-        # The first basis of a model and protocol is the one that counts.
+        # The first basis of a model and protocol is the main one.
         if stem in found:
             continue
         where = f"where model={row.model}, protocol={row.protocol}, basis={row.basis}"
@@ -355,7 +365,7 @@ def _of_models(results: CitedResults) -> dict[str, Number]:
 
 
 def _of_networks(results: CitedResults) -> dict[str, Number]:
-    found = {}
+    found: dict[str, Number] = {}
     for protocol, file in NETWORKS.items():
         stem = _PROTOCOLS[protocol]
         found |= {
@@ -376,9 +386,9 @@ def _of_verification(results: CitedResults) -> dict[str, Number]:
 
 
 def quantities_tex(results: CitedResults, study: str) -> str:
-    """Quantities: symbol, meaning, unit, and the sampled range or the formula."""
+    """Table of the quantities: symbol, name, unit, and the sampled range or the formula."""
     form = results.value(CONFIG, "features.damping_coefficient")
-    rows = []
+    rows: list[list[str | Number]] = []
     for row in QUANTITIES:
         unit = row.config_unit if row.kind == "sampled" else row.unit
         head = [row.symbol, f"${LABELS[row.name].tex}$", LABELS[row.name].long_name, unit_tex(unit)]
@@ -392,14 +402,14 @@ def quantities_tex(results: CitedResults, study: str) -> str:
             formula = DERIVATIONS.get(row.name, "")
             formula = formula[form] if isinstance(formula, dict) else formula
             rows.append([*head, "", "", f"${formula}$" if formula else "simulated"])
-    head = ["", "Symbol", "Quantity", "Unit", "Least", "Most", "Derived from"]
+    head = ["", "Symbol", "Quantity", "Unit", "Minimum", "Maximum", "Derived from"]
     return table_tex("llllrrl", head, rows, study)
 
 
 def features_tex(results: CitedResults, study: str) -> str:
-    """Features: the span that the data set covers, and which ones the networks get."""
+    """Table of the features: their range in the data set, and the features of the networks."""
     selection = results.files[SELECTION]
-    rows = []
+    rows: list[list[str | Number]] = []
     for name in FEATURE_NAMES:
         row = quantity(name)
         marks = []
@@ -409,7 +419,8 @@ def features_tex(results: CitedResults, study: str) -> str:
         listed = selection.loc[selection["feature"] == name, "in_paper"]
         rows.append(
             [
-                row.symbol, f"${LABELS[row.name].tex}$", LABELS[row.name].long_name, unit_tex(row.unit),
+                row.symbol, f"${LABELS[row.name].tex}$", LABELS[row.name].long_name,
+                unit_tex(row.unit),
                 results.number(DATASET, f"min {name}"), results.number(DATASET, f"max {name}"),
                 _mark(bool(listed.any())), *marks,
             ]
@@ -419,8 +430,8 @@ def features_tex(results: CitedResults, study: str) -> str:
         "Symbol",
         "Feature",
         "Unit",
-        "Least",
-        "Most",
+        "Minimum",
+        "Maximum",
         "Paper",
         "As published",
         "Leakage-free",
@@ -433,13 +444,14 @@ def _mark(chosen: bool) -> str:
 
 
 def models_tex(results: CitedResults, names: Mapping[str, str], study: str) -> str:
-    """R2 of all models: printed, by the steps as published, and leakage-free with its interval."""
-    rows = []
+    """Table of R2 of all models: printed, as published, and leakage-free with its interval."""
+    rows: list[list[str | Number]] = []
     for row in results.files[BESIDE].itertuples(index=False):
         cells = [
             results.number(BESIDE, f"{column} where model={row.model}", "2f")
             for column in (
-                "printed_r2", "as_published_r2", "leakage_free_r2", "leakage_free_lower", "leakage_free_upper",
+                "printed_r2", "as_published_r2", "leakage_free_r2", "leakage_free_lower",
+                "leakage_free_upper",
             )
         ]  # fmt: skip
         rows.append([escaped(names.get(row.model, row.model)), *cells, escaped(row.basis)])
@@ -448,8 +460,8 @@ def models_tex(results: CitedResults, names: Mapping[str, str], study: str) -> s
 
 
 def verification_tex(results: CitedResults, parts: Mapping[int, str], study: str) -> str:
-    """Checks of the verification study and how many hold, by part; without one, only the head."""
-    rows = []
+    """Table of the checks of the verification study by part; without checks, only the head."""
+    rows: list[list[str | Number]] = []
     if CHECKS in results.files:
         for part in sorted(set(results.files[CHECKS]["part"])):
             counts = [
@@ -461,5 +473,5 @@ def verification_tex(results: CitedResults, parts: Mapping[int, str], study: str
 
 
 def unit_tex(unit: str) -> str:
-    """A unit of the table of quantities as LaTeX."""
+    """A unit of `abradem.quantities` as LaTeX."""
     return _UNITS.get(unit, unit)

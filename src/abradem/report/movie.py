@@ -1,4 +1,4 @@
-"""Pictures to a film: H.264 in MP4, by the ffmpeg that imageio-ffmpeg carries."""
+"""Encoding of frames as a film, H.264 in MP4, with the ffmpeg of imageio-ffmpeg."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 
 
 class MovieError(ValueError):
-    """A film that cannot be made; the message is one line."""
+    """The film cannot be made; the message is one line."""
 
 
 def require_encoder():
-    """The module that carries the encoder; raises `MovieError` if it is not installed."""
+    """Import the module with the encoder; raises `MovieError` if it is not installed."""
     try:
         import imageio_ffmpeg
     except ModuleNotFoundError:
@@ -25,12 +25,12 @@ def require_encoder():
 
 
 def write_movie(frames: Iterable[np.ndarray], path: str | Path, per_second: int) -> np.ndarray:
-    """Write frames as MP4, complete or not at all, and return the last one.
+    """Write frames as MP4 and return the last one; the file is complete or not written.
 
     Parameters
     ----------
     frames : iterable of ndarray of uint8, shape (height, width, 3)
-        All alike, height and width even.
+        All of the same size, with even height and width.
     path : path-like
     per_second : int
         Frames per second.
@@ -59,7 +59,7 @@ def write_movie(frames: Iterable[np.ndarray], path: str | Path, per_second: int)
                 sink.send(None)
             sink.send(frame)
             last = frame
-        if sink is None:
+        if sink is None or last is None:
             raise MovieError(f"{path}: there are no frames")
         sink.close()
         os.replace(temporary, path)

@@ -1,4 +1,4 @@
-"""The numbers that a report on a study begins with."""
+"""Headline numbers of a study, with which the report begins."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ def study_summary(
     Parameters
     ----------
     dataset, failures : pandas.DataFrame
-        From `abradem.dataset.join.join`; of an external table there are no failures.
+        From `abradem.dataset.join.join`; for an external table there are no failures.
     linear : mapping
         Summary of the linear regression, see `abradem.learning.baselines.linear`.
     comparison : pandas.DataFrame
         From `abradem.learning.comparison.compare`.
     good_r2 : float
-        R2 of a cumulative series from which it counts as good.
+        Smallest R2 of a cumulative series that counts as good.
     external : str, optional
-        Where the table came from, if it was not simulated.
+        Path of the external table, if the data set was not simulated.
 
     Returns
     -------
     dict
-        ``external``, ``cases``, ``wear_range`` (mm/s), ``models`` (R2 on held-out rows, leakage-free:
-        model, r2, lower, upper, basis), ``misprints`` of the printed equation (None unless the
-        table is the paper's) and, of simulations, what `quality_counts` says, with
-        ``cases`` those drawn, ``simulated`` those in the data set, ``failures`` the others and
-        ``reasons`` how many of them for each kind of reason.
+        ``external``, ``cases``, ``target``, ``wear_range`` (mm/s), ``models`` (leakage-free R2 on
+        held-out rows: model, r2, lower, upper, basis) and ``misprints`` of the printed equation
+        (None unless the data set is the paper's). For simulations also the entries of
+        `quality_counts`, with ``cases`` the number of sampled cases, ``simulated`` those in the
+        data set, ``failures`` the others, and ``reasons`` the number of failures by reason.
     """
     target = dataset[linear["target"]["name"]]
     found = {
@@ -75,15 +75,15 @@ def study_summary(
 
 
 def quality_counts(rates: pd.DataFrame, good_r2: float = 0.95) -> dict:
-    """How good the wear rates of a study are.
+    """Quality of the wear rates of a study.
 
     Parameters
     ----------
     rates : pandas.DataFrame
-        Holds case_id, wear_r2, wear_total_mean, wear_total_mean_stderr and quality (the
-        wear-rate tables and the dataset do).
+        Holds wear_r2, wear_total_mean, wear_total_mean_stderr and quality, as the wear-rate
+        tables and the data set do.
     good_r2 : float
-        Cases with at least this R2 of the cumulative series are counted.
+        Smallest R2 of a cumulative series that counts as good.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""A LaTeX text with the tables, numbers and figures of a study, typeset to PDF."""
+"""Typesetting of a LaTeX text with the tables, numbers and figures of a study."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from pathlib import Path
 from abradem.store.files import replacing
 
 PROGRAMS = ("latexmk", "tectonic", "pdflatex")
-"""Programs that can typeset, the most convenient first."""
+"""Programs for typesetting, in order of preference."""
 
 
 class TypesetError(ValueError):
-    """No LaTeX, or a text that it does not accept; the message is one line."""
+    """LaTeX is missing or fails; the message is one line."""
 
 
 def find_program() -> str | None:
-    """The first of `PROGRAMS` that is installed."""
+    """The first of `PROGRAMS` that is installed, or None."""
     return next((name for name in PROGRAMS if shutil.which(name)), None)
 
 
@@ -38,7 +38,7 @@ def typeset(text: str | Path, study: str | Path, output: str | Path) -> None:
     Raises
     ------
     TypesetError
-        If no LaTeX is installed, or it stops at an error.
+        If LaTeX is not installed or stops with an error.
     """
     program = find_program()
     if program is None:
@@ -57,7 +57,7 @@ def typeset(text: str | Path, study: str | Path, output: str | Path) -> None:
             done = subprocess.run(
                 [*arguments, main.name], cwd=folder, capture_output=True, text=True,
                 errors="replace", check=False, stdin=subprocess.DEVNULL,
-                # Dates of this run would make every file differ.
+                # Without fixed dates the files would differ between runs.
                 env={**os.environ, "SOURCE_DATE_EPOCH": "0", "FORCE_SOURCE_DATE": "1"},
             )  # fmt: skip
             if done.returncode:
@@ -75,5 +75,5 @@ def _commands(program: str) -> list[list[str]]:
         return [["latexmk", "-pdf", *quiet]]
     if program == "tectonic":
         return [["tectonic"]]
-    # Once for the labels, once with them.
+    # Two passes, as the second one resolves the labels.
     return [["pdflatex", *quiet]] * 2

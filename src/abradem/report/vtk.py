@@ -1,15 +1,15 @@
-"""Snapshots of a case for ParaView: particles and the worn plate as XML files of VTK.
+"""Export of snapshots to ParaView: particles and worn plate as VTK XML files.
 
-PolyData (``.vtp``) with a collection (``.pvd``) that gives the time of each file; arrays are
-little-endian, base64, with a header of eight bytes. Nothing but numpy is needed to write them.
-In ParaView, open ``particles.pvd`` and ``plate.pvd``; the filter Glyph with the glyph type Sphere
-(radius 1), scaled by ``radius``, shows the particles.
+Each snapshot is a PolyData file (``.vtp``); a collection file (``.pvd``) gives the time of each.
+Arrays are little-endian and base64-encoded with a header of eight bytes. Only numpy is needed to
+write them. In ParaView, open ``particles.pvd`` and ``plate.pvd``, and show the particles with the
+filter Glyph, glyph type Sphere (radius 1), scaled by ``radius``.
 """
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -25,7 +25,7 @@ _TYPES = {"float64": "Float64", "int64": "Int64"}
 
 
 def case_values(cases: pd.DataFrame, case_id: int) -> dict[str, float]:
-    """The sampled quantities of one case of a table; raises `TableError` if it is not there."""
+    """The sampled quantities of one case of a table; raises `TableError` if it is missing."""
     rows = cases[cases["case_id"] == case_id]
     if len(rows) != 1:
         raise TableError(f"case {case_id}: there is no such case")
@@ -44,22 +44,22 @@ def write_vtk(
     Parameters
     ----------
     particles, wear : pandas.DataFrame
-        As `abradem.simulation.snapshots` writes them.
+        From `abradem.simulation.snapshots`.
     case : mapping
         Sampled quantities of the case; plate_angle (deg), particle_radius (m) and
         archard_constant (1/Pa) are used.
     setup : Setup
     folder : path-like
-        Gets ``particles.pvd``, ``plate.pvd`` and the files they name. Particles carry ``id``,
-        ``radius`` (m), ``velocity`` (m/s) and ``spin`` (rad/s); facets carry the wear depth of
-        each wear measure, ``depth_<measure>`` (mm).
+        The files ``particles.pvd``, ``plate.pvd`` and those that they list are written here.
+        Particles have ``id``, ``radius`` (m), ``velocity`` (m/s) and ``spin`` (rad/s); facets have
+        the wear depth of each wear measure, ``depth_<measure>`` (mm).
     """
     folder = Path(folder)
     frames = {measure: depth_frames(wear, case, setup, measure) for measure in WEAR_MEASURES}
     times = frames[WEAR_MEASURES[0]][0]
     points, quads = plate_facets(case["plate_angle"], setup)
     by_time = dict(tuple(particles.groupby("time")))
-    names = {"particles": [], "plate": []}
+    names: dict[str, list[str]] = {"particles": [], "plate": []}
     for index, time in enumerate(times):
         rows = by_time.get(time, particles.iloc[:0])
         texts = {
@@ -82,7 +82,7 @@ def write_vtk(
 
 
 def particles_vtp(rows: pd.DataFrame, radius: float) -> str:
-    """Particles at one time as PolyData of single points."""
+    """XML of a PolyData with the particles at one time as points; ``radius`` in m."""
     count = len(rows)
 
     def vectors(*columns: str) -> np.ndarray:
@@ -102,9 +102,20 @@ def particles_vtp(rows: pd.DataFrame, radius: float) -> str:
 
 
 def plate_facets(angle: float, setup: Setup) -> tuple[np.ndarray, np.ndarray]:
-    """Corners of the facets (m), shape (n, 3), and the four of each facet, shape (nx nz, 4).
+    """Corners and facets of the plate.
 
-    Facets are in the order of a raveled wear map: along the length, then along the width.
+    Parameters
+    ----------
+    angle : float
+        Plate angle, degrees.
+    setup : Setup
+
+    Returns
+    -------
+    points : ndarray, shape (n, 3)
+        Corners of the facets, m.
+    quads : ndarray of int, shape (nx nz, 4)
+        Corners of each facet, in the order of a flattened wear map (nx, nz).
     """
     nx, nz = setup.facets
     along = np.linspace(-0.5, 0.5, nx + 1) * setup.plate_length
@@ -114,7 +125,7 @@ def plate_facets(angle: float, setup: Setup) -> tuple[np.ndarray, np.ndarray]:
     points = np.column_stack([s * np.cos(slope), s * np.sin(slope), z])
     i, j = (index.ravel() for index in np.indices((nx, nz)))
     first = i * (nz + 1) + j
-    # Counter-clockwise seen from above, so that the normal points to the particles.
+    # Counter-clockwise as seen from above, so that the normal points to the particles.
     return points, np.column_stack([first, first + 1, first + nz + 2, first + nz + 1])
 
 
@@ -130,12 +141,13 @@ def polydata(
     Parameters
     ----------
     points : ndarray, shape (n, 3)
-        m.
+        Coordinates, m.
     members : ndarray of int, shape (m, k)
         Points of each cell.
     kind : {"Verts", "Polys"}
+        Type of the cells.
     points_data, cells : mapping of str to ndarray, optional
-        Values of points and of cells; a second axis of three makes vectors.
+        Values at points, shape (n,) or (n, 3), and in cells, shape (m,) or (m, 3).
     """
     count, width = members.shape
     counts = {"Verts": 0, "Lines": 0, "Strips": 0, "Polys": 0} | {kind: count}
@@ -169,8 +181,8 @@ def polydata(
     )
 
 
-def collection(times: Sequence[float], files: Sequence[str]) -> str:
-    """XML of a collection of files, each with its time in seconds."""
+def collection(times: Iterable[float], files: Sequence[str]) -> str:
+    """XML of a collection of files, each with its time (s)."""
     entries = [
         f'<DataSet timestep="{time!r}" file={quoteattr(name)}/>'
         for time, name in zip(map(float, times), files, strict=True)

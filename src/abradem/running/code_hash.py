@@ -1,16 +1,16 @@
-"""Which code a step of the workflow uses, found from its imports, and a hash of its content.
+"""Hash of the code that a workflow step depends on, determined from the imports of its script.
 
-Snakemake does not see an edit in an imported package. Every rule therefore carries, as a
-parameter, a hash of the *content* of its script and of every module that the script reaches: an
-edit reruns that step and what follows; a touch or a revert reruns nothing. Imports inside
-functions count. Imports for type checkers alone do not.
+Snakemake does not detect edits in an imported package. Every rule therefore has a parameter with
+a hash of the *content* of its script and of every module that the script imports, directly or
+indirectly. An edit reruns the step and all steps that depend on it; touching or reverting a file
+reruns nothing. Imports inside functions count; imports under TYPE_CHECKING do not.
 """
 
 from __future__ import annotations
 
-import ast
 import hashlib
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -18,22 +18,22 @@ import abradem
 
 NEUTRAL = {
     "abradem": "names and the version only",
-    "abradem.running.job_log": "says what went wrong",
-    "abradem.running.provenance": "records results, does not make them",
-    "abradem.store": "keeps values as they are, with units and long names beside them",
+    "abradem.running.job_log": "reports errors",
+    "abradem.running.provenance": "records a run, computes no result",
+    "abradem.store": "stores values unchanged, with units and long names",
 }
-"""Modules, or packages with all below them, whose content cannot change a result, and why."""
+"""Modules and packages (with all their modules) that cannot change a result, and the reason."""
 
 
 def step_hash(script: Path, modules: Iterable[str] = ()) -> str:
-    """Hash of all code that a step of the workflow depends on, 16 hexadecimal digits.
+    """Hash of all code that a workflow step depends on, 16 hexadecimal digits.
 
     Parameters
     ----------
     script : path
         Script of the rule.
     modules : iterable of str
-        Modules that the script imports by a name it is given.
+        Further modules, which the script imports by name from its parameters.
     """
     return files_hash(Path(script), *map(source_file, closure(script, modules)))
 
@@ -41,8 +41,8 @@ def step_hash(script: Path, modules: Iterable[str] = ()) -> str:
 def files_hash(*files: Path) -> str:
     """Hash of the names and the content of files, 16 hexadecimal digits.
 
-    Files of the package count by their place in it, others by their name alone, so that the hash
-    does not depend on where they lie.
+    Files of the package enter with their path in the package, other files with their name only,
+    so that the hash does not depend on the location of either.
     """
     root = Path(abradem.__path__[0])
     named = {
@@ -58,7 +58,7 @@ def files_hash(*files: Path) -> str:
 
 
 def closure(script: Path, modules: Iterable[str] = ()) -> set[str]:
-    """All modules of the package that a script reaches, without those of `NEUTRAL`."""
+    """All modules of the package that a script imports, also indirectly, except `NEUTRAL`."""
     found: set[str] = set()
     waiting = [*imported_modules(Path(script)), *modules]
     while waiting:
@@ -70,7 +70,7 @@ def closure(script: Path, modules: Iterable[str] = ()) -> set[str]:
 
 
 def is_neutral(module: str) -> bool:
-    """Whether a module is in `NEUTRAL`, itself or with its package."""
+    """Whether a module or a package that contains it is in `NEUTRAL`."""
     if module == "abradem":
         return True
     parts = module.split(".")
@@ -78,7 +78,7 @@ def is_neutral(module: str) -> bool:
 
 
 def source_file(module: str) -> Path:
-    """Source file of a module, without importing it; of a package its ``__init__.py``.
+    """Source file of a module, or ``__init__.py`` of a package, found without importing it.
 
     Raises
     ------
@@ -93,37 +93,40 @@ def source_file(module: str) -> Path:
 
 
 def imported_modules(path: Path) -> list[str]:
-    """Modules of the package that a file imports, in the order of its text."""
-    return list(dict.fromkeys(_module_of(*pair) for pair in _pairs(path.read_bytes())))
+    """Modules of the package that a file imports, in the order of appearance."""
+    root = str(abradem.__path__[0])
+    pairs = _imports(path.read_text(encoding="utf-8"))
+    return list(dict.fromkeys(_module_of(root, *pair) for pair in pairs))
+
+
+_IMPORT = re.compile(
+    r"^[ \t]*(?:from (abradem[\w.]*) import (\([^)]*\)|[^\n]*)|import (abradem[\w.]*))",
+    re.MULTILINE,
+)
+_FOR_TYPE_CHECKERS = re.compile(r"^if TYPE_CHECKING:\n(?:[ \t]+[^\n]*\n|\n)*", re.MULTILINE)
 
 
 @cache
-def _pairs(source: bytes) -> tuple[tuple[str, str | None], ...]:
-    """(module, name) of every import from the package in a source text."""
-    return tuple(_imports(ast.parse(source)))
+def _imports(source: str) -> tuple[tuple[str, str | None], ...]:
+    """(module, name) of every import from the package in a source text.
+
+    The text is searched rather than parsed: parsing all sources would lengthen every start of the
+    workflow by a third. A test compares the result with the syntax tree of every file.
+    """
+    found: list[tuple[str, str | None]] = []
+    for module, names, whole in _IMPORT.findall(_FOR_TYPE_CHECKERS.sub("", source)):
+        if whole:
+            found.append((whole, None))
+        for name in re.sub(r"#[^\n]*|[()]", " ", names).split(","):
+            if name.strip():
+                found.append((module, name.split()[0]))
+    return tuple(found)
 
 
-def _module_of(module: str, name: str | None) -> str:
-    """The module that ``from module import name`` reads: ``name`` may be one itself."""
-    folder = Path(abradem.__path__[0]).joinpath(*module.split(".")[1:])
+@cache
+def _module_of(root: str, module: str, name: str | None) -> str:
+    """The module that ``from module import name`` loads; ``name`` may itself be a module."""
+    folder = Path(root).joinpath(*module.split(".")[1:])
     if name and (folder.joinpath(name).is_dir() or folder.joinpath(f"{name}.py").is_file()):
         return f"{module}.{name}"
     return module
-
-
-def _imports(node: ast.AST) -> Iterator[tuple[str, str | None]]:
-    """(module, name) of every import from the package below a node of a syntax tree."""
-    if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
-        return
-    if isinstance(node, ast.Import):
-        yield from ((one.name, None) for one in node.names if _is_ours(one.name))
-    elif isinstance(node, ast.ImportFrom):
-        if node.level == 0 and node.module and _is_ours(node.module):
-            yield from ((node.module, one.name) for one in node.names)
-    elif not isinstance(node, ast.expr):
-        for child in ast.iter_child_nodes(node):
-            yield from _imports(child)
-
-
-def _is_ours(module: str) -> bool:
-    return module.split(".")[0] == "abradem"

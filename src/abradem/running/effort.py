@@ -1,4 +1,4 @@
-"""How much work a study is."""
+"""Estimate of the run time of a study before it starts."""
 
 from __future__ import annotations
 
@@ -8,16 +8,25 @@ from abradem.config.declaration import Config
 from abradem.config.values import sampled_ranges, setup_dict
 
 SECONDS_PER_JOB = 2.5
-"""Start of a job: interpreter, imports, loading of compiled code."""
+"""Start-up time of a job, s: interpreter, imports, loading of compiled code."""
 
 _LOOKED_AT = 1000
-"""Cases whose time is guessed; those after them are taken to be alike."""
+"""Largest number of cases whose time is estimated; further cases are assumed to be similar."""
 
 
 def estimate(config: Config, cores: int | None = None) -> str:
-    """Say in one line what a run will do: cases, jobs and roughly how long they take.
+    """One line on what a run will do: cases, jobs and the approximate run time.
 
-    The time is that of `cost.case_seconds`. ``cores`` defaults to those of this machine.
+    Parameters
+    ----------
+    config : Config
+    cores : int, optional
+        Number of cores; by default those of this machine.
+
+    Returns
+    -------
+    str
+        The time is estimated by `abradem.sampling.cost.case_seconds`.
     """
     from abradem.sampling.cost import case_seconds
     from abradem.sampling.draw import block_cases

@@ -1,4 +1,4 @@
-"""Where a job of the workflow says what went wrong: all of it in its log, one line to the user."""
+"""Error reporting of workflow jobs: the traceback goes to the log, one line to the user."""
 
 from __future__ import annotations
 
@@ -8,33 +8,33 @@ import traceback
 from pathlib import Path
 
 CLEAR = "\r\x1b[2K"
-"""What makes a terminal forget the line it is in."""
+"""Control sequence that clears the current line of a terminal."""
 
 
 _WORDS = {MemoryError: "there was too little memory"}
-"""What errors say that say nothing themselves."""
+"""Messages for errors that have none."""
 
 
 def log_to(path: str | Path) -> None:
-    """Send standard error of this process to a file.
+    """Redirect standard error of this process to a log file.
 
-    An error that ends the process leaves its traceback in the file; its message and the file's
-    name still go to where standard error went before.
+    If an error ends the process, the traceback is written to the file; the message and the name
+    of the file go to the original standard error.
 
     Parameters
     ----------
     path : path-like
-        The log; what it held before is lost.
+        The log file, which is overwritten.
     """
     terminal = sys.stderr
     log = open(path, "w", buffering=1, encoding="utf-8")
 
     def report(kind, error, trace):
-        # On a terminal, the line of progress may stand where this goes.
+        # The current line of a terminal may be the line of progress.
         start = CLEAR if terminal.isatty() else ""
         said = str(error) or _WORDS.get(kind, kind.__name__)
         print(f"{start}{said} (see {path})", file=terminal, flush=True)
-        # The disk may be what is full.
+        # Writing fails if the error is a full disk.
         with contextlib.suppress(OSError):
             traceback.print_exception(kind, error, trace, file=log)
 

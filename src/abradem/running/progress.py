@@ -1,8 +1,9 @@
-"""How far the simulations of all jobs are: one line every few seconds, and the time left.
+"""Progress of the simulations: a line every few seconds with the cases done and the time left.
 
-The process that starts the jobs watches the files that batches leave: a finished batch has its
-``runs`` table, a running one keeps each finished case in a folder (see `abradem.simulation.batch`). The
-jobs themselves report nothing, so results cannot depend on progress.
+The process that starts the jobs watches the files that the batches write. A finished batch has a
+``runs`` table; a running one stores each finished case in a folder (see
+`abradem.simulation.batch`). The jobs themselves report nothing, so that results cannot depend on
+the progress display.
 """
 
 from __future__ import annotations
@@ -28,13 +29,13 @@ class BatchOfCases:
     Parameters
     ----------
     cases : int
-        Number of its cases.
+        Number of cases.
     runs : path
-        Its ``runs`` table.
+        The ``runs`` table.
     finished : path
-        Its folder of finished cases.
+        Folder of finished cases.
     work : float, optional
-        What it costs beside other batches; its cases if not given.
+        Cost relative to other batches; by default the number of cases.
     """
 
     cases: int
@@ -43,12 +44,12 @@ class BatchOfCases:
     work: float | None = None
 
     def work_of(self, cases: int) -> float:
-        """What some of its cases cost beside other batches."""
+        """Cost of some of its cases, relative to other batches."""
         return cases if self.work is None else self.work * cases / self.cases
 
 
 class _MakeRoom(logging.Handler):
-    """Clears the line of progress before anything else is said."""
+    """Clears the line of progress before a log message is printed."""
 
     def __init__(self, monitor: Monitor):
         super().__init__()
@@ -59,19 +60,19 @@ class _MakeRoom(logging.Handler):
 
 
 class Monitor:
-    """Prints how many of all cases are done, from a thread of its own.
+    """Prints the number of finished cases, from a separate thread.
 
     Parameters
     ----------
     total : int
-        Cases of the whole study.
+        Number of cases of the study.
     folder : path
-        Folder for the file whose age tells this run's results from earlier ones.
+        Folder for a marker file. Results newer than the marker are those of this run.
     stream : text file, optional
-        On a terminal the line is renewed in place, elsewhere a new line is written; standard
-        error if not given.
+        By default standard error. On a terminal the line is updated in place; otherwise a new
+        line is written.
     beside : str
-        Name of the logger whose messages share the terminal.
+        Name of the logger whose messages appear on the same terminal.
     """
 
     def __init__(
@@ -100,7 +101,7 @@ class Monitor:
         self._thread: threading.Thread | None = None
 
     def start(self, batches: Mapping[str, BatchOfCases]) -> None:
-        """Begin to watch and to print, if there is anything to simulate.
+        """Start the thread, if there is anything to simulate.
 
         Parameters
         ----------
@@ -110,13 +111,13 @@ class Monitor:
         if batches:
             self.begin(batches)
             if self.in_place:
-                # First of the handlers, so that the line goes before the message comes.
+                # The first handler, so that the line is cleared before the message is printed.
                 logging.getLogger(self.beside).handlers.insert(0, self._make_room)
             self._thread = threading.Thread(target=self._watch, daemon=True)
             self._thread.start()
 
     def stop(self) -> None:
-        """Print the last line and end."""
+        """Print the last line and stop the thread."""
         if self._thread is not None:
             self._stop.set()
             self._thread.join()
@@ -127,19 +128,19 @@ class Monitor:
         self._tidy()
 
     def begin(self, batches: Mapping[str, BatchOfCases]) -> None:
-        """Set the moment from which results count as this run's."""
+        """Set the time from which results count as those of this run."""
         self._waiting = dict(batches)
         self._done = self.total - sum(batch.cases for batch in batches.values())
         self._worked = self._running = 0.0
         self._work = sum(batch.work_of(batch.cases) for batch in batches.values())
         self.folder.mkdir(parents=True, exist_ok=True)
         self._mark.write_text("", encoding="utf-8")
-        # The file system's clock, which other machines of a cluster share, not our own.
+        # Use the clock of the file system, which the machines of a cluster share.
         self._began = self._ended = self._mark.stat().st_mtime_ns
         self._clock = time.monotonic()
 
     def count(self) -> int:
-        """Cases of the study that are done."""
+        """Number of finished cases of the study."""
         running, self._running = 0, 0.0
         for name, batch in list(self._waiting.items()):
             written = _modified(batch.runs)
@@ -156,7 +157,7 @@ class Monitor:
         return self._done + running
 
     def line(self) -> str:
-        """The progress in words."""
+        """The line of progress."""
         done = self.count()
         text = f"simulations: {done} of {self.total} cases done"
         if done >= self.total:
@@ -169,7 +170,7 @@ class Monitor:
         return text
 
     def clear(self) -> None:
-        """Take the line off the terminal until it is printed again."""
+        """Remove the line from the terminal until it is printed again."""
         if self._in_line:
             self._in_line = False
             self.stream.write(CLEAR)
@@ -186,10 +187,10 @@ class Monitor:
             self._tidy()
 
     def _tidy(self) -> None:
-        """Remove the mark, also that of a run that was killed."""
+        """Remove the marker file, also one left by a killed run."""
         self._mark.unlink(missing_ok=True)
         with contextlib.suppress(OSError):
-            # Stays where an interrupted batch left finished cases.
+            # Fails, as intended, if an interrupted batch left finished cases in the folder.
             self.folder.rmdir()
 
     def _print(self, line: str, last: bool = False) -> None:
@@ -202,7 +203,7 @@ class Monitor:
 
 
 def duration(seconds: float) -> str:
-    """A length of time in the unit one would say it in."""
+    """A duration in s, min or h."""
     if seconds < 99.5:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)

@@ -1,4 +1,4 @@
-"""Versions, commit and environment of a run, and its resolved configuration, for the reader."""
+"""Provenance of a run: resolved configuration, versions, commit and environment."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ PACKAGES = (
     "matplotlib", "numba", "numpy", "pandas", "pyarrow", "safetensors", "scikit-learn", "scipy",
     "snakemake", "torch",
 )  # fmt: skip
-"""Distributions whose versions are recorded."""
+"""Packages whose versions are recorded as the main ones."""
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python, of this package and of those it computes with."""
+    """Versions of Python, of this package and of the packages it computes with."""
     from importlib.metadata import PackageNotFoundError, version
 
     found = {"abradem": abradem.__version__, "python": platform.python_version()}
@@ -29,10 +29,10 @@ def versions() -> dict[str, str]:
 
 
 def source() -> dict | None:
-    """Commit of the repository that the package lies in, and whether files of it were changed.
+    """Commit of the repository that contains the package, and whether files were changed.
 
-    None where it was installed without one, or there is no git to ask. For the reader alone: a
-    commit may change what no result depends on, so nothing is rerun for it.
+    None if the package is not in a repository or git is not available. The commit is recorded for
+    information only: it may change without any effect on the results, so nothing is rerun for it.
     """
     root = Path(abradem.__path__[0]).parents[1]
     if not (root / ".git").exists():
@@ -50,7 +50,7 @@ def source() -> dict | None:
 
 
 def environment() -> dict:
-    """System, processor and every package that is installed beside this one."""
+    """Operating system, processor and all installed packages."""
     from importlib.metadata import distributions
 
     packages = {found.name: found.version for found in distributions() if found.name}
@@ -62,17 +62,17 @@ def environment() -> dict:
 
 
 def write_provenance(config: str, recorded: dict, config_path: Path, versions_path: Path) -> None:
-    """Write the resolved configuration and, as JSON, what else identifies a run.
+    """Write the resolved configuration and, as JSON, everything else that identifies a run.
 
     Parameters
     ----------
     config : str
-        The whole configuration as YAML, defaults filled in.
+        The whole configuration as YAML, with defaults.
     recorded : dict
-        Seed, `versions`, code hashes; no time stamps, so that the same run writes the same
-        bytes. `source` and `environment` are added.
+        Seed, `versions` and code hashes, without time stamps, so that the same run writes the
+        same bytes. `source` and `environment` are added.
     config_path, versions_path : path
-        Where they go.
+        The files written.
     """
     write_text(config, config_path)
     recorded = {**recorded, "source": source(), "environment": environment()}

@@ -1,4 +1,4 @@
-"""The graph of the workflow's rules as a table, asked of Snakemake itself."""
+"""Graph of the workflow rules as a table, obtained from Snakemake."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ import pandas as pd
 from abradem.store.columns import RULE_GRAPH
 
 TARGETS = ("all",)
-"""Rules that only name files."""
+"""Rules that only collect files and are left out."""
 
 
 def rule_graph(snakefile: Path, rule_files: Iterable[Path], options: Sequence[str] = ()):
-    """The rules that the whole study runs and what each takes from which.
+    """Rules of the whole study and their dependencies.
 
     Parameters
     ----------
     snakefile : path
     rule_files : iterable of path
-        Files that hold the rules; their names are the stages.
+        Files that define the rules; their names are the stages.
     options : sequence of str
         Further arguments of snakemake, such as configuration files.
 
     Returns
     -------
     pandas.DataFrame
-        rule, stage, needs: one row for each pair, ``needs`` empty for a rule that needs none.
+        rule, stage, needs: one row for each dependency; ``needs`` is empty for a rule without any.
 
     Raises
     ------
     RuntimeError
-        If snakemake does not answer with a graph.
+        If snakemake fails or prints no graph.
     """
     command = [
         sys.executable, "-m", "snakemake", "--snakefile", str(snakefile), "--rulegraph", "dot",
@@ -43,13 +43,13 @@ def rule_graph(snakefile: Path, rule_files: Iterable[Path], options: Sequence[st
     ]  # fmt: skip
     asked = subprocess.run(command, capture_output=True, text=True, check=False)
     if asked.returncode or "digraph" not in asked.stdout:
-        last = (asked.stderr.strip() or "no answer").splitlines()[-1]
+        last = (asked.stderr.strip() or "no output").splitlines()[-1]
         raise RuntimeError(f"snakemake --rulegraph failed: {last}")
     return from_dot(asked.stdout, stages(rule_files))
 
 
 def stages(rule_files: Iterable[Path]) -> dict[str, str]:
-    """Stage of each rule: the name of the file in which it stands, of several the first."""
+    """Stage of each rule: the name of the first file that defines it."""
     found: dict[str, str] = {}
     for path in rule_files:
         text = Path(path).read_text(encoding="utf-8")
@@ -59,7 +59,7 @@ def stages(rule_files: Iterable[Path]) -> dict[str, str]:
 
 
 def from_dot(text: str, stage_of: dict[str, str]) -> pd.DataFrame:
-    """The table of `rule_graph` from a graph in the language of Graphviz."""
+    """The table of `rule_graph` from a graph in the DOT language of Graphviz."""
     names = dict(re.findall(r'^\s*(\d+)\[label = "(\w+)', text, re.MULTILINE))
     pairs = sorted(
         (names[late], names[early])

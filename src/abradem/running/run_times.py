@@ -1,4 +1,4 @@
-"""How long the jobs of a study took, from what Snakemake measured of them."""
+"""Run times of the jobs of a study, from the benchmark files of Snakemake."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from pathlib import Path
 
 
 def run_times(folder: str | Path) -> list[dict]:
-    """Jobs and seconds of each rule that was measured, the most expensive first.
+    """Number of jobs and run time of each measured rule, the most expensive first.
 
     Parameters
     ----------
     folder : path-like
-        Holds a folder for each rule, or a file ``<rule>.tsv`` where it is one job.
+        Contains a folder for each rule, or a file ``<rule>.tsv`` for a rule with one job.
 
     Returns
     -------
@@ -23,7 +23,7 @@ def run_times(folder: str | Path) -> list[dict]:
     seconds: dict[str, list[float]] = {}
     for path in sorted(Path(folder).rglob("*.tsv")):
         rule = path.relative_to(folder).parts[0].removesuffix(".tsv")
-        # A job that is running has left nothing yet, or half a line.
+        # The file of a running job is missing or incomplete.
         with contextlib.suppress(OSError, KeyError, ValueError, TypeError):
             with open(path, encoding="utf-8", newline="") as source:
                 rows = [float(row["s"]) for row in csv.DictReader(source, delimiter="\t")]

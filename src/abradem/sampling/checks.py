@@ -1,4 +1,4 @@
-"""Which parameter sets are physically consistent with the set-up."""
+"""Checks whether a parameter set is physically consistent with the set-up."""
 
 from __future__ import annotations
 
@@ -24,24 +24,25 @@ if TYPE_CHECKING:
 
 
 LARGEST_OVERLAP = 0.2
-"""Overlap at impact, as a share of the radius, beyond which the Hertz theory means nothing."""
+"""Largest overlap at impact, as a share of the radius, for which the Hertz theory is used."""
 
 
 FEWEST_STEPS = 8
-"""Time steps that an impact must last to be integrated at all."""
+"""Smallest number of time steps in an impact."""
 
 
 def check_case(values: Mapping[str, float], setup: Setup | None = None) -> str:
-    """Say why a parameter set cannot be simulated, or return an empty string.
+    """Return the reason why a parameter set cannot be simulated, or an empty string.
 
     Parameters
     ----------
     values : mapping of str to float
         The sampled quantities, in the units of `abradem.quantities`.
     setup : Setup, optional
-        If given, the set is also checked against plate, factory and time step: the particle is
-        not wider than the plate and starts clear of it, an impact from the full fall height
-        overlaps by less than 20 % of the radius, and it lasts enough time steps.
+        If given, the parameter set is also checked against plate, factory and time step. The
+        particle must not be wider than the plate and must not touch it at its release. An impact
+        from the full fall height must overlap by less than 20 % of the radius and must last
+        enough time steps.
     """
     for row in SAMPLED:
         problem = check_value(row.name, values[row.name])
@@ -69,7 +70,7 @@ def _check_geometry(values: Mapping[str, float], setup: Setup) -> str:
 
 
 def _check_impact(values: Mapping[str, float], setup: Setup) -> str:
-    """Check overlap and duration of a head-on elastic impact (Hertz) at the end of the fall."""
+    """Check overlap and duration of a normal elastic impact (Hertz 1882) at the end of the fall."""
     radius = values["particle_radius"]
     speed = math.sqrt(values["particle_velocity_y"] ** 2 + 2.0 * setup.gravity * setup.fall_height)
     if speed == 0.0:

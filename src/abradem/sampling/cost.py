@@ -1,8 +1,8 @@
-"""Which simulations take long, guessed from their parameters, for the order of jobs.
+"""Estimate of the computing time of simulations from their parameters, for the order of jobs.
 
-Half of a study's computing time is spent in a few of its cases. If such a case starts last, all
-cores but one wait for it. A guess suffices to start it first. Nothing but the order depends on
-it: no result does, and no step reruns when it changes.
+Half of the computing time of a study is spent in a few of its cases. If such a case starts last,
+all cores but one wait for it. An estimate is enough to start the most expensive cases first. Only
+the order of the jobs depends on it: no result depends on it, and no step reruns if it changes.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ import pandas as pd
 from abradem.elastic import sphere_mass
 
 SECONDS_PER_PARTICLE = 3.6e-5
-"""Computing time of a particle that bounces off the plate."""
+"""Computing time of a particle that bounces off the plate, s."""
 
 SECONDS_IN_A_BED = 0.07
-"""Computing time of a particle of 10 mm that comes to lie in a bed, where it is in contact in every
-step until it is pushed over an edge."""
+"""Computing time of a particle of radius 10 mm in a bed, s. It is in contact in every step until it
+is pushed over an edge."""
 
 BED_RADIUS = 0.01
 BED_RADIUS_EXPONENT = 1.55
 BED_ANGLE = 8.0
 BED_SPEED = 1.56
-"""How the chance and the cost of a bed fall: as a power of the radius over `BED_RADIUS`, m, and
-exponentially in the plate's angle, deg, and in the speed of impact, m/s. These and the two times
-were fitted, by logarithms, to the 200 cases of the paper's study. benchmarks/order.py compares the
-guess with the times of a finished study and fits the constants to it."""
+"""Decrease of the probability and the cost of a bed: a power of the radius over `BED_RADIUS`, m, and
+exponential in the plate angle, deg, and in the impact speed, m/s. These constants and the two times
+were fitted, in logarithms, to the 200 cases of the paper's study. benchmarks/order.py compares the
+estimate with the times of a finished study and fits the constants to them."""
 
 FEWEST_PARTICLES = 0.25
-"""Particles times target_stderr squared that a steady window takes: the spread, squared, of the wear
+"""Particles in a steady window times target_stderr squared: the squared relative spread of the wear
 of single particles."""
 
 TRANSIENT_TIME = 1.0
@@ -39,11 +39,12 @@ TRANSIENT_TIME = 1.0
 
 
 def case_seconds(cases: pd.DataFrame, setup: Mapping) -> np.ndarray:
-    """Guess the computing time of cases, in seconds of one core.
+    """Estimate the computing time of cases, in seconds of one core.
 
-    Particles released times the time for each, which bounces off or comes to lie in a bed: on flat
-    plates, under slow jets. Over the paper's study it correlates with the measured times by 0.98
-    (logarithms: 0.90, ranks: 0.82), over the large study by 0.75 (0.86, 0.77).
+    The estimate is the number of particles released times the time per particle. A particle
+    bounces off or stays in a bed; beds form on flat plates under slow jets. The correlation with
+    the measured times is 0.98 in the paper's study (logarithms 0.90, ranks 0.82) and 0.75 in the
+    large study (0.86, 0.77).
 
     Parameters
     ----------
@@ -72,12 +73,12 @@ def case_seconds(cases: pd.DataFrame, setup: Mapping) -> np.ndarray:
 def batch_seconds(
     cases: pd.DataFrame, setup: Mapping, batches: Sequence[tuple[int, int]]
 ) -> list[float]:
-    """Guess the computing time of each batch of a block.
+    """Estimate the computing time of each batch of a block.
 
     Parameters
     ----------
     cases : pandas.DataFrame
-        The block's cases.
+        Cases of the block.
     setup : mapping
         Plain values of the `Setup`.
     batches : sequence of (int, int)

@@ -1,15 +1,16 @@
-"""Which parameter sets are simulated: drawn in blocks, checked for physical consistency.
+"""Parameter sets to simulate: drawn in blocks, checked for physical consistency.
 
-A block is a pure function of the study's seed and the block's index. So a study grows by
-adding blocks, and no earlier case changes. Each block of a Latin hypercube is a Latin
-hypercube of its own; the blocks of a Sobol sequence are its successive pieces.
+A block is a pure function of the seed of the study and the index of the block. A study can
+therefore be enlarged by more blocks without a change of earlier cases. With the method ``lhs``
+each block is a separate Latin hypercube (McKay, Beckman & Conover 1979, Technometrics 21:239);
+with ``sobol`` the blocks are successive parts of one Sobol sequence.
 """
 
 from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +34,7 @@ def block_cases(
     block: int,
     cases_per_block: int,
     method: str,
-    ranges: Mapping[str, tuple[float, float]],
+    ranges: Mapping[str, Sequence[float]],
     setup: Setup | None = None,
 ) -> pd.DataFrame:
     """Draw one block of cases.
@@ -47,17 +48,22 @@ def block_cases(
     cases_per_block : int
     method : {"lhs", "sobol", "uniform"}
     ranges : mapping of str to (float, float)
-        Lower and upper bound of each sampled quantity, in the units of `abradem.quantities`;
-        equal bounds keep it fixed.
+        Lower and upper bound of each sampled quantity, in the units of `abradem.quantities`; a
+        quantity with equal bounds is fixed.
     setup : Setup, optional
-        If given, each set is also checked against it, see `check_case`.
+        If given, each parameter set is also checked against it, see `check_case`.
 
     Returns
     -------
     pandas.DataFrame
         One row per case: ``case_id``, ``block``, ``seed``, the sampled quantities and
-        ``rejected``, empty or the reason why the set cannot be simulated. A rejected case
-        keeps its ``case_id``.
+        ``rejected``, which is empty or the reason why the case cannot be simulated. A rejected
+        case keeps its ``case_id``.
+
+    Raises
+    ------
+    ValueError
+        If a range is missing, unknown or not finite, or the method is unknown.
     """
     import pandas as pd
 
@@ -70,7 +76,7 @@ def block_cases(
         raise ValueError("ranges: bounds must be finite, the lower not above the upper")
 
     points = _unit_points(seed, block, cases_per_block, method)
-    # Rounding must not lift a value over its bound.
+    # Rounding must not move a value beyond its bound.
     values = np.clip(lower + points * (upper - lower), lower, upper)
 
     case_id = block * cases_per_block + np.arange(cases_per_block, dtype=np.int64)
@@ -88,7 +94,7 @@ def block_cases(
 
 
 def case_seed(study_seed: int, case_id: int) -> int:
-    """Return the seed of a case, 63 bits of a hash, so that neighbours have nothing in common."""
+    """Return the seed of a case: 63 bits of a hash, so seeds of neighbouring cases are unrelated."""
     digest = hashlib.sha256(_SEED_TAG + f" {study_seed} {case_id}".encode()).digest()
     return int.from_bytes(digest[:8], "little") >> 1
 
@@ -103,13 +109,13 @@ def _unit_points(seed: int, block: int, cases: int, method: str) -> np.ndarray:
     if method == "lhs":
         return qmc.LatinHypercube(dimensions, rng=_generator(seed, block)).random(cases)
     if method == "sobol":
-        # All blocks are pieces of one sequence: scrambled again for each, their points would be
-        # reflections of each other instead of filling the gaps.
+        # All blocks are parts of one sequence. If each were scrambled separately, their points
+        # would be reflections of each other instead of filling the gaps.
         sequence = qmc.Sobol(dimensions, scramble=True, rng=_generator(seed, 0))
         if block:
             sequence.fast_forward(block * cases)
         with warnings.catch_warnings():
-            # That it is balanced at powers of two only stands in the documentation.
+            # The documentation states that it is balanced only for powers of two.
             warnings.filterwarnings("ignore", "The balance properties", UserWarning)
             return sequence.random(cases)
     raise ValueError(f"method = {method!r} is unknown; allowed: {', '.join(METHODS)}")

@@ -1,0 +1,1 @@
+"""Batches of cases, and snapshots of single cases, as tables."""

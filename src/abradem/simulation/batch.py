@@ -1,10 +1,10 @@
-"""Simulations in batches: a run of neighbouring cases of one block, one job, three tables.
+"""Simulations in batches: consecutive cases of one block, simulated by one job, in three tables.
 
-A batch is a pure function of the block's cases, the set-up and the code, so that a study can
-grow without touching what it has. A fourth table, of what each case cost, is of the machine.
-Each case that is finished is kept at once, under a name made of everything that determines it;
-a batch that was interrupted takes these up again and gives the same bytes as one that was not
-(times excepted).
+A batch is a pure function of the cases of the block, the set-up and the code, so a study can be
+enlarged without a change of existing results. A fourth table, the processor time of each case,
+depends on the machine. Each finished case is saved immediately, under a name derived from
+everything that determines it. An interrupted batch continues with the saved cases and gives the
+same bytes as an uninterrupted one (except for the times).
 """
 
 from __future__ import annotations
@@ -24,20 +24,19 @@ from abradem.quantities import SAMPLED_NAMES, WEAR_MEASURES
 from abradem.store.locks import locked
 
 TABLES = ("series", "maps", "runs")
-"""Tables of a case's result."""
+"""Tables with the result of a case."""
 
 FILES = ("series", "maps", "times", "runs")
-"""Tables that are kept of a case, in the order they are written: if there are runs, so are the
-others."""
+"""Tables that are saved for a case, in the order of writing: if ``runs`` exists, so do the others."""
 
 
 STARTED = "started"
-"""File in a batch's folder of finished cases, renewed whenever the batch starts; it holds the
-number of cases that were finished before."""
+"""File in the folder of finished cases of a batch. It is rewritten at every start of the batch and
+contains the number of cases that were finished before."""
 
 
 def case_key(row: Mapping, setup: Mapping, code: str) -> str:
-    """Name of a finished case: a hash of all that determines it.
+    """Return the name of a finished case: a hash of everything that determines it.
 
     Parameters
     ----------
@@ -68,15 +67,15 @@ def run_case(row: Mapping, setup: Mapping) -> dict:
     Returns
     -------
     dict
-        Under each name of `TABLES` a DataFrame; ``series`` and ``maps`` are empty for a
-        case that was not simulated, because it is rejected, the engine refuses it or its
-        numbers fail.
+        A DataFrame for each name in `TABLES`. ``series`` and ``maps`` are empty for a case that
+        was not simulated because it is rejected, because the engine refuses it, or because of an
+        arithmetic error.
 
     Raises
     ------
     Exception
-        What does not follow from the case: too little memory, a full disk, a damaged
-        installation. Another attempt may end well, so it must not become a result.
+        An error that is not caused by the case: too little memory, a full disk, a damaged
+        installation. Another attempt may succeed, so the error must not become a result.
     """
     if row["rejected"]:
         return _without_result(row, f"rejected: {row['rejected']}")
@@ -85,7 +84,7 @@ def run_case(row: Mapping, setup: Mapping) -> dict:
     try:
         result = simulate(Case.from_row(row), Setup.from_dict(setup))
     except ValueError as error:
-        # The engine refuses what it cannot integrate; the other cases go on.
+        # The engine refuses a case that it cannot integrate; the other cases continue.
         return _without_result(row, f"refused: {error}")
     except ArithmeticError as error:
         return _without_result(row, f"failed: {type(error).__name__}: {error}")
@@ -102,19 +101,20 @@ def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
     setup : mapping
         Plain values of the `Setup`.
     outputs : mapping of str to path
-        Where each of `FILES` goes: ``times`` holds the processor time of each case, s, however
-        many attempts the batch took. Snakemake's own figure of a job in ``benchmarks/`` is up to
-        30 s short: after its first 15 s it looks at a job every 30 s, and not at its end.
+        Path for each of `FILES`. ``times`` contains the processor time of each case, s,
+        independent of the number of attempts. Snakemake's own figure for a job in ``benchmarks/``
+        is up to 30 s too low: after the first 15 s it samples a job every 30 s, and not at the
+        end.
     finished : path
-        Folder of this batch alone in which finished cases are kept until all are done.
+        Folder, used only by this batch, for finished cases until all cases are done.
     code : str
-        Hash of the code that simulates; cases finished by other code are not used.
+        Hash of the simulation code; cases finished by other code are not used.
 
     Raises
     ------
     RuntimeError
-        With one line for each case that could not be simulated, see `run_case`; the other
-        cases are finished and kept.
+        With one line for each case that could not be simulated, see `run_case`. The other cases
+        are finished and saved.
     """
     from abradem.store.tables import concatenate, write_table
 
@@ -126,7 +126,7 @@ def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
         _drop_others(finished, keys)
         (finished / STARTED).write_text(str(finished_cases(finished)), encoding="utf-8")
 
-        frames = {name: [] for name in FILES}
+        frames: dict[str, list] = {name: [] for name in FILES}
         problems = []
         parent = os.getppid()
         for row, key in zip(rows, keys, strict=True):
@@ -137,7 +137,7 @@ def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
                 tables = _kept(paths) or _simulated(row, setup, paths)
             except Exception as error:
                 if isinstance(error, OSError):
-                    # Without a place for results, no other case can end well.
+                    # If results cannot be written, no other case can succeed.
                     raise
                 traceback.print_exc()
                 reason = str(error) or type(error).__name__
@@ -155,7 +155,7 @@ def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
 
 
 def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
-    """Simulate a case and keep its tables."""
+    """Simulate a case and save its tables."""
     import pandas as pd
 
     from abradem.dem import warm
@@ -163,7 +163,7 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     from abradem.store.tables import write_table
 
     if not row["rejected"]:
-        # Else the first case of a job would take half a second more.
+        # Otherwise the time of the first case of a job would include half a second of loading.
         warm.load(setup.get("stepping", Setup.stepping))
     start = time.process_time()
     tables = run_case(row, setup)
@@ -175,24 +175,24 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
 
 
 def _kept(paths: Mapping) -> dict | None:
-    """Tables of a case that was finished before, or None."""
+    """Return the tables of a case that was finished before, or None."""
     from abradem.store.files import TableError
     from abradem.store.tables import read_table
 
     try:
         return {name: read_table(paths[name]) for name in reversed(FILES)}
     except TableError:
-        # Not there, or damaged by a machine that went down.
+        # Missing, or damaged by a crash of the machine.
         return None
 
 
 def finished_cases(folder: Path) -> int:
-    """Number of finished cases that a batch's folder holds."""
+    """Return the number of finished cases in the folder of a batch."""
     return sum(1 for _ in Path(folder).glob("*.runs.parquet"))
 
 
 def resumed_cases(folder: Path) -> int:
-    """Number of cases that a running batch took over from an earlier, interrupted run."""
+    """Return the number of cases that a running batch reuses from an interrupted run."""
     try:
         return int((Path(folder) / STARTED).read_text(encoding="utf-8"))
     except (FileNotFoundError, ValueError):
@@ -200,7 +200,7 @@ def resumed_cases(folder: Path) -> int:
 
 
 def _drop_others(folder: Path, keys: list[str]) -> None:
-    """Remove what belongs to none of ``keys``: remains of other values or other code."""
+    """Remove files that belong to none of ``keys``: results of other values or other code."""
     wanted = {f"{key}.{name}.parquet" for key in keys for name in FILES}
     for path in folder.iterdir():
         if path.name not in wanted and path.name != STARTED:
@@ -208,7 +208,7 @@ def _drop_others(folder: Path, keys: list[str]) -> None:
 
 
 def _tables(row: Mapping, result) -> dict:
-    """Tables of one simulated case."""
+    """Return the tables of one simulated case."""
     import numpy as np
     import pandas as pd
 
@@ -238,7 +238,7 @@ def _tables(row: Mapping, result) -> dict:
 
 
 def _without_result(row: Mapping, status: str) -> dict:
-    """Tables of a case that was not simulated."""
+    """Return the tables of a case that was not simulated."""
     import pandas as pd
 
     numbers = dict.fromkeys((*_RUN_NUMBERS, "window_start", "window_end"), math.nan)

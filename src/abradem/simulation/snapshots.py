@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,11 +18,11 @@ from abradem.store.tables import write_table
 TABLES = ("particles", "contacts", "wear")
 
 PLATE = -1
-"""Number that stands for the plate among the partners of a contact."""
+"""Number of the plate among the partners of a contact."""
 
 
 class Recorder:
-    """Collects the snapshots of `abradem.simulate`.
+    """Recorder for `abradem.simulate` that collects snapshots.
 
     Parameters
     ----------
@@ -34,13 +35,13 @@ class Recorder:
         self._parts: dict[str, list[pd.DataFrame]] = {name: [] for name in TABLES}
 
     def record(self, time: float, problem, state) -> None:
-        """Take a snapshot; the engine calls it."""
+        """Take a snapshot; called by the engine."""
         from abradem.dem.state import FLYING, GONE
 
         step = int(state.tally["step"][0])
         particles = state.particles[: int(state.tally["live"][0])]
         present = particles[particles["motion"] != GONE]
-        # In flight, only the vertical velocity differs from the anchor's.
+        # In flight, only the vertical velocity differs from that of the anchor.
         flown = np.where(present["motion"] == FLYING, step - present["anchor_step"], 0)
         fall = problem.gravity * problem.dt * flown
         frame = pd.DataFrame({"particle": present["identity"]})
@@ -89,7 +90,7 @@ def write_snapshots(case: Case, setup: Setup, folder: str | Path, interval: floa
     case : Case
     setup : Setup
     folder : path-like
-        Where ``particles.parquet``, ``contacts.parquet`` and ``wear.parquet`` go.
+        Folder for ``particles.parquet``, ``contacts.parquet`` and ``wear.parquet``.
     interval : float
         Time between snapshots, s.
     """
@@ -102,9 +103,9 @@ def write_snapshots(case: Case, setup: Setup, folder: str | Path, interval: floa
 
 
 def write_scene(
-    case: Mapping[str, float], setup: Setup, folder: str | Path, duration: float, interval: float
+    case: Mapping[str, Any], setup: Setup, folder: str | Path, duration: float, interval: float
 ) -> None:
-    """Simulate a case for a while and write its snapshots, see `abradem.simulation.snapshots`.
+    """Simulate a case for a given time and write its snapshots, see `write_snapshots`.
 
     Parameters
     ----------

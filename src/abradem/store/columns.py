@@ -1,7 +1,7 @@
-"""The schema of all tables: what each column holds, in which unit and type.
+"""The schema of all tables: meaning, unit and type of each column.
 
-`abradem.store.tables.write_table` takes no column that has no `Column`, so that no number is ever
-stored without its unit.
+`abradem.store.tables.write_table` only accepts columns with a `Column` entry, so every number is
+stored with its unit.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from abradem.words.labels import LABELS, MEASURE_WORDS, STATISTIC_WORDS
 
 @dataclass(frozen=True)
 class Column:
-    """What a column holds.
+    """Metadata of a column.
 
     Parameters
     ----------
     unit : str
-        "1" where dimensionless or text.
+        Unit; "1" for dimensionless numbers and text.
     long_name : str
-        What it is, in words.
+        Short description.
     dtype : {"float64", "int64", "int32", "bool", "string"}
     """
 
@@ -231,10 +231,10 @@ COLUMNS: dict[str, Column] = {
     **LEARNING,
     **MODELS,
 }
-"""Columns of the tables of a study; a name means the same in all of them."""
+"""Columns of the tables of a study; a name has the same meaning in all of them."""
 
 
-# Columns of single tables; where a name is also in `COLUMNS`, these override it.
+# Columns of individual tables; they override columns of the same name in `COLUMNS`.
 
 SNAPSHOTS = {
     "particle": Column("1", "number of the particle, in the order of release", "int64"),

@@ -1,7 +1,7 @@
-"""Files in and out: complete or absent, the same content to the same bytes.
+"""Reading and writing of files: a file is complete or absent, and equal content has equal bytes.
 
-`replacing` is the one writer: a temporary file, flushed to the disk and renamed. Text, CSV, JSON
-and arrays go through it here, tables in `abradem.store.tables`.
+All files are written with `replacing`: a temporary file is flushed to the disk and renamed. Text,
+CSV, JSON and arrays use it in this module, tables use it in `abradem.store.tables`.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ class TableError(ValueError):
 
 @contextlib.contextmanager
 def replacing(path: str | Path) -> Iterator[IO[bytes]]:
-    """A binary file that takes the place of ``path`` when the block ends well, else vanishes.
+    """Open a binary file that replaces ``path`` if the block succeeds, and is removed otherwise.
 
-    What a killed process left of an earlier attempt is removed. An error of the file system
-    names ``path``.
+    Temporary files of an earlier, killed attempt are removed. An error of the file system names
+    ``path``.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -50,7 +50,7 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
 
 
 def _remove_left(path: Path) -> None:
-    """Remove temporary files of ``path`` whose process is gone."""
+    """Remove temporary files of ``path`` from processes that no longer exist."""
     for left in path.parent.glob(f".{glob.escape(path.name)}.*.tmp"):
         number = left.name.split(".")[-2]
         if number.isdecimal() and not _lives(int(number)):
@@ -59,26 +59,26 @@ def _remove_left(path: Path) -> None:
 
 def _lives(process: int) -> bool:
     if os.name == "nt":
-        # There, os.kill would end it.
+        # On Windows, os.kill would terminate the process.
         return True
     try:
         os.kill(process, 0)
     except ProcessLookupError:
         return False
     except OSError:
-        # Somebody else's.
+        # The process belongs to another user.
         return True
     return True
 
 
 def write_json(value, path: str | Path) -> None:
-    """Write plain values as JSON: keys sorted, NaN as null, complete or not at all."""
+    """Write plain values as JSON with sorted keys and NaN as null, complete or not at all."""
     text = json.dumps(_plain(value), indent=2, sort_keys=True, allow_nan=False, ensure_ascii=False)
     write_text(f"{text}\n", path)
 
 
 def read_json(path: str | Path):
-    """Read what `write_json` wrote; raises `TableError` if it is missing or corrupt."""
+    """Read a file of `write_json`; raise `TableError` if it is missing or corrupt."""
     try:
         return json.loads(Path(path).read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -88,7 +88,7 @@ def read_json(path: str | Path):
 
 
 def _plain(value):
-    """Numpy values as Python's, numbers that JSON cannot say as None."""
+    """Convert numpy values to Python values, and numbers that JSON lacks (nan, inf) to None."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | list | tuple):
@@ -112,7 +112,7 @@ def write_csv(frame: pd.DataFrame, path: str | Path) -> None:
 
 
 def write_arrays(arrays: dict[str, np.ndarray], path: str | Path) -> None:
-    """Write arrays as safetensors, complete or not at all, the same arrays to the same bytes."""
+    """Write arrays as safetensors, complete or not at all; equal arrays give equal bytes."""
     from safetensors.numpy import save
 
     with replacing(path) as sink:
@@ -120,7 +120,7 @@ def write_arrays(arrays: dict[str, np.ndarray], path: str | Path) -> None:
 
 
 def read_arrays(path: str | Path) -> dict[str, np.ndarray]:
-    """Read arrays; raises TableError if the file is missing or damaged."""
+    """Read arrays; raise `TableError` if the file is missing or damaged."""
     from safetensors import SafetensorError
     from safetensors.numpy import load_file
 
@@ -129,4 +129,4 @@ def read_arrays(path: str | Path) -> dict[str, np.ndarray]:
     except FileNotFoundError:
         raise TableError(f"{path}: no such file") from None
     except (SafetensorError, OSError) as error:
-        raise TableError(f"{path}: not a whole safetensors file ({error})") from None
+        raise TableError(f"{path}: not a complete safetensors file ({error})") from None

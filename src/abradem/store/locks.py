@@ -1,4 +1,4 @@
-"""Locks that end with the process that holds them, however it ends, so that none is ever stale."""
+"""Locks that are released when their process ends, in any way, so they never become stale."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from typing import IO
 
 
 class Lock:
-    """A lock file that one process at a time holds.
+    """A lock file that can be held by one process at a time.
 
-    Where the file system has no locks, or Python none for the system, it holds nobody back.
+    If the file system, or Python on this operating system, does not support locks, every process
+    gets the lock.
 
     Parameters
     ----------
     path : path-like
-        The file; it is there while the lock is held, or after a kill.
+        The lock file. It exists while the lock is held, and after a process was killed.
     """
 
     def __init__(self, path: str | Path):
@@ -27,14 +28,14 @@ class Lock:
         self._file: IO[bytes] | None = None
 
     def take(self, wait: bool = False) -> bool:
-        """Take the lock; return whether it is held now, which it always is after waiting."""
+        """Take the lock; return whether it is held, which is always True with ``wait``."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         while True:
             file = open(self.path, "a+b")
             if not _lock(file, wait):
                 file.close()
                 return False
-            # Who held it before may have removed the file meanwhile.
+            # The previous holder may have removed the file in the meantime.
             if _is_at(file, self.path):
                 break
             file.close()
@@ -45,14 +46,14 @@ class Lock:
         return True
 
     def holder(self) -> str:
-        """Who holds the lock, or held it last."""
+        """Return the process that holds the lock, or held it last."""
         try:
             return self.path.read_text(encoding="utf-8") or "unknown"
         except OSError:
             return "unknown"
 
     def release(self) -> None:
-        """End the lock, if it is held, and remove its file."""
+        """Release the lock, if it is held, and remove its file."""
         if self._file is not None:
             self.path.unlink(missing_ok=True)
             self._file.close()
@@ -61,10 +62,10 @@ class Lock:
 
 @contextlib.contextmanager
 def locked(path: str | Path) -> Iterator[None]:
-    """Hold a lock for a block of code; wait for it if need be."""
+    """Hold a lock during a block of code; wait for it if necessary."""
     lock = Lock(path)
     if not lock.take():
-        print(f"{path}: waiting for {lock.holder()}, which is at work here", file=sys.stderr)
+        print(f"{path}: waiting for {lock.holder()}, which holds the lock", file=sys.stderr)
         lock.take(wait=True)
     try:
         yield
@@ -82,7 +83,7 @@ def _lock(file: IO[bytes], wait: bool) -> bool:
     except BlockingIOError:
         return False
     except OSError:
-        # A file system without locks.
+        # The file system does not support locks.
         return True
     return True
 

@@ -1,4 +1,4 @@
-"""Tables as Parquet, with unit and long name of each column in the field metadata."""
+"""Tables as Parquet files, with unit and long name of each column in the field metadata."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ _ARROW_TYPES = {
 def write_table(
     frame: pd.DataFrame, path: str | Path, extra: Mapping[str, Column] | None = None
 ) -> None:
-    """Write a table as Parquet (zstd), complete or not at all, the same table to the same bytes.
+    """Write a table as Parquet (zstd), complete or not at all; equal tables give equal bytes.
 
     Parameters
     ----------
     frame : pandas.DataFrame
         The index is not stored.
     path : path-like
-        Folders are made as needed.
+        Missing folders are created.
     extra : mapping of str to Column, optional
-        Columns that `COLUMNS` does not hold; they override it.
+        Additional columns; they override those of `COLUMNS`.
 
     Raises
     ------
     TableError
-        If a column is unknown, stands twice or holds values of another type.
+        If a column is unknown, appears twice or contains values of another type.
     """
     path = Path(path)
     known = {**COLUMNS, **(extra or {})}
@@ -50,7 +50,7 @@ def write_table(
         raise TableError(f"{path}: no unit is known for column {', '.join(unknown)}")
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise TableError(f"{path}: column {', '.join(twice)} stands twice")
+        raise TableError(f"{path}: column {', '.join(twice)} appears twice")
 
     table = pa.Table.from_arrays(
         [_array(frame[name], known[name].dtype, f"{path}: column {name}") for name in names],
@@ -61,7 +61,7 @@ def write_table(
 
 
 def read_table(path: str | Path, columns: Iterable[str] | None = None) -> pd.DataFrame:
-    """Read a table written by `write_table`; ``columns`` selects and orders.
+    """Read a table written by `write_table`; ``columns`` selects columns and their order.
 
     Raises
     ------
@@ -87,7 +87,10 @@ def read_table(path: str | Path, columns: Iterable[str] | None = None) -> pd.Dat
 
 
 def read_units(path: str | Path) -> dict[str, str]:
-    """Units of the columns of a table, from the field metadata; raises as `read_table`."""
+    """Return the units of the columns of a table, from the field metadata.
+
+    Raises `TableError` as `read_table` does.
+    """
     try:
         return {
             field.name: (field.metadata or {}).get(b"units", b"").decode("utf-8")
@@ -97,7 +100,7 @@ def read_units(path: str | Path) -> dict[str, str]:
         raise _damaged(path, error) from None
 
 
-# A name or a unit that is no UTF-8 is found only when it is asked for.
+# A name or a unit that is not valid UTF-8 raises UnicodeDecodeError only when it is accessed.
 _DAMAGED = (pa.ArrowException, OSError, UnicodeDecodeError)
 
 
@@ -107,7 +110,7 @@ def _damaged(path: str | Path, error: Exception) -> TableError:
 
 
 def concatenate(frames: Iterable[pd.DataFrame], key: str = "case_id") -> pd.DataFrame:
-    """Stack the tables of blocks or batches in the order of ``key``, rows of a key unmoved."""
+    """Concatenate the tables of blocks or batches, sorted by ``key`` (stable)."""
     frames = list(frames)
     if not frames:
         raise TableError("no tables to join")
@@ -115,7 +118,7 @@ def concatenate(frames: Iterable[pd.DataFrame], key: str = "case_id") -> pd.Data
 
 
 def content_hash(frame: pd.DataFrame) -> str:
-    """Hexadecimal SHA-256 of the columns and their values, independent of files and versions."""
+    """Return the SHA-256 of the columns and their values, independent of the file format."""
     digest = hashlib.sha256()
     for name in frame.columns:
         values = frame[name].to_numpy()
@@ -133,17 +136,17 @@ def _field(name: str, column: Column) -> pa.Field:
 
 
 def _array(values: pd.Series, dtype: str, where: str) -> pa.Array:
-    """Values as an Arrow array of a known type; NaN stays NaN, a missing text is an error."""
+    """Return values as an Arrow array of a known type; NaN stays NaN, missing text is an error."""
     if dtype == "string":
         texts = values.tolist()
         wrong = next((text for text in texts if not isinstance(text, str)), None)
         if any(not isinstance(text, str) for text in texts):
-            raise TableError(f"{where} must hold text, got {wrong!r}")
+            raise TableError(f"{where} must contain text, got {wrong!r}")
         return pa.array(texts, type=pa.string())
     array = values.to_numpy()
     kind = {"float64": "fiu", "int64": "iu", "int32": "iu", "bool": "b"}[dtype]
     if array.dtype.kind not in kind and len(array):
-        raise TableError(f"{where} must hold {dtype}, got {array.dtype}")
+        raise TableError(f"{where} must contain {dtype}, got {array.dtype}")
     cast = array.astype(dtype)
     if dtype in ("int64", "int32") and not np.array_equal(cast, array):
         raise TableError(f"{where}: a value does not fit {dtype}")
@@ -151,7 +154,7 @@ def _array(values: pd.Series, dtype: str, where: str) -> pa.Array:
 
 
 def read_result(path: str | Path):
-    """Content of a file of results, by its suffix: a table (Parquet, CSV), or plain data (JSON)."""
+    """Return the content of a result file: a table (Parquet, CSV) or plain data (JSON)."""
     suffix = Path(path).suffix
     if suffix == ".parquet":
         return read_table(path)
@@ -159,13 +162,19 @@ def read_result(path: str | Path):
 
 
 def read_results(paths: Iterable[tuple[str, str | list[str]]]) -> dict:
-    """Contents of named files: one of `read_result`, of a list an iterator, of none None.
+    """Return the contents of named files.
 
     Parameters
     ----------
     paths : iterable of (str, path or list of path)
-        Such as the named inputs of a rule. A list is read as it is gone through, once: the tables
-        of a large study do not fit into memory together.
+        For example the named inputs of a rule.
+
+    Returns
+    -------
+    dict
+        For a path the content by `read_result`, for an empty list None, and for a list an
+        iterator that reads each file when it is reached, because the tables of a large study do
+        not fit into memory together.
     """
     return {
         name: read_result(path)

@@ -1,27 +1,28 @@
-"""The physics put into the features: dimensionless groups, and the scale of the wear.
+"""Dimensionless groups and the scale of the wear: the features of the physics-informed models.
 
-A jet of particles brings the power m' v^2 / 2 to a plate of area A; Archard's constant W turns work
-into worn volume. With the fall from the patch's height H the speed of impact is
-v^2 = v_y^2 + 2 g H, so the wear depth rate has the natural scale
+A jet of particles with the mass rate m' delivers the power m' v^2 / 2 to a plate of area A, and
+Archard's constant W converts work into worn volume. Particles that fall from the height H hit the
+plate with v^2 = v_y^2 + 2 g H. The wear depth rate therefore has the natural scale ::
 
     s = W m' v^2 / (2 A)                                                    (mm/s)
 
-and models learn the logarithm of the *wear number* y / s alone. W is an exact factor of the
-simulation and never has to be learned. What remains can depend on dimensionless groups only
-(Buckingham 1914, Phys. Rev. 4:345), `GROUP_NAMES`:
+and the models learn only the logarithm of the *wear number* y / s. W is an exact factor of the
+simulated wear and need not be learned. The wear number depends on dimensionless groups only
+(Buckingham 1914, Phys. Rev. 4:345), `GROUP_NAMES`::
 
-    ln Fr       Fr = v^2 / (g H)                 speed against fall
+    ln Fr       Fr = v^2 / (g H)                 Froude number: speed against fall height
     ln R/H                                       size of the particles
-    ln L        L = m' / (rho_p v B)             loading: share of the jet's cross-section B that
-                                                 is filled with particle; how often particles meet
-    ln Ca       Ca = rho_p v^2 / E*              Cauchy number: how deep an impact indents
+    ln L        L = m' / (rho_p v B)             loading: volume fraction of particles in the jet
+                                                 of cross-section B; how often particles collide
+    ln Ca       Ca = rho_p v^2 / E*              Cauchy number: depth of the indentation
     ln G*/E*                                     tangential against normal stiffness
     ln mu_s, ln mu_r, ln (1 + e)                 friction, rolling friction, restitution
     phi                                          plate angle, rad
-    cos theta                                    width of the tilted patch's jet
+    cos theta                                    width of the jet of a tilted factory patch
 
-The functions use arithmetic and numpy's functions alone, so that `abradem.surrogate.onnx` can trace
-them: no formula is written twice. The module imports numpy alone, as the surrogate needs it.
+The functions use only arithmetic and numpy functions, so that `abradem.surrogate.onnx` can trace
+them and no formula is written twice. The module needs no other package than numpy, so that the
+surrogate needs none.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ from abradem.elastic import (
 from abradem.units import MM_PER_M
 
 LEAST_FRICTION = 1e-3
-"""Smaller coefficients of friction count as this one: their logarithm would run away."""
+"""Smallest coefficient of friction; smaller ones are raised to it before the logarithm."""
 
 
 GROUP_NAMES = (
@@ -59,7 +60,19 @@ GROUP_NAMES = (
 
 
 class Jet(NamedTuple):
-    """What is common to all cases of a study: SI units, one of the two rates is None."""
+    """Quantities that are the same for all cases of a study.
+
+    Attributes
+    ----------
+    fall_height : float
+        m.
+    gravity : float
+        m/s2.
+    mass_rate, number_rate : float or None
+        Feed in kg/s or in particles per second; the other one is None.
+    plate_area, patch_area : float
+        m2.
+    """
 
     fall_height: float
     gravity: float
@@ -70,48 +83,60 @@ class Jet(NamedTuple):
 
 
 def jet_of(setup: Mapping) -> Jet:
-    """The jet of the plain values of a `Setup` (`abradem.config.setup_dict`)."""
+    """Jet of a set-up, given as plain values of a `Setup` (`abradem.config.setup_dict`)."""
     return Jet(
-        *(setup[name] for name in ("fall_height", "gravity", "mass_rate", "number_rate")),
+        fall_height=setup["fall_height"],
+        gravity=setup["gravity"],
+        mass_rate=setup["mass_rate"],
+        number_rate=setup["number_rate"],
         plate_area=setup["plate_length"] * setup["plate_width"],
         patch_area=setup["patch_length"] * setup["patch_width"],
     )
 
 
 def squared_impact_speed(values: Mapping, jet: Jet):
-    """v^2 = v_y^2 + 2 g H, m2/s2."""
+    """Square of the impact speed, v^2 = v_y^2 + 2 g H, m2/s2."""
     velocity = values["particle_velocity_y"]
     return velocity * velocity + 2.0 * jet.gravity * jet.fall_height
 
 
 def mass_rate(values: Mapping, jet: Jet):
-    """Mass of particles per time, kg/s."""
+    """Mass rate of the feed, kg/s."""
     if jet.mass_rate is not None:
         return jet.mass_rate
     return jet.number_rate * sphere_mass(values["particle_radius"], values["particle_density"])
 
 
 def wear_scale(values: Mapping, jet: Jet):
-    """s = W m' v^2 / (2 A), mm/s.
+    """Scale of the wear depth rate, s = W m' v^2 / (2 A), mm/s.
 
     Parameters
     ----------
-    values : mapping of str to array
+    values : mapping of str to array, shape (n,)
         The sampled quantities in the units of `abradem.quantities`.
     jet : Jet
+
+    Returns
+    -------
+    array, shape (n,)
     """
     power = 0.5 * mass_rate(values, jet) * squared_impact_speed(values, jet)
     return (MM_PER_M / jet.plate_area) * values["archard_constant"] * power
 
 
 def group_columns(values: Mapping, jet: Jet) -> list:
-    """The groups of `GROUP_NAMES`, in order, one array each.
+    """The groups of `GROUP_NAMES`, in this order, one array each.
 
     Parameters
     ----------
-    values : mapping of str to array
+    values : mapping of str to array, shape (n,)
         The sampled quantities in the units of `abradem.quantities`, angles in degrees.
     jet : Jet
+
+    Returns
+    -------
+    list of array, shape (n,)
+        Dimensionless; the plate angle in rad.
     """
     nu_p, nu_e = values["particle_poisson_ratio"], values["equipment_poisson_ratio"]
     shear_p, shear_e = values["particle_shear_modulus"], values["equipment_shear_modulus"]
@@ -121,7 +146,7 @@ def group_columns(values: Mapping, jet: Jet) -> list:
     shear_star = effective_shear_modulus(shear_p, nu_p, shear_e, nu_e)
     squared = squared_impact_speed(values, jet)
     density = values["particle_density"]
-    # Without gravity nothing falls, and the speed is compared with 1 m/s.
+    # Without gravity the speed is compared with 1 m/s instead.
     fall = jet.gravity * jet.fall_height or 1.0
     in_jet = mass_rate(values, jet) / (jet.patch_area * density * np.sqrt(squared))
     degree = np.pi / 180.0
@@ -140,5 +165,5 @@ def group_columns(values: Mapping, jet: Jet) -> list:
 
 
 def group_matrix(values: Mapping, jet: Jet) -> np.ndarray:
-    """The groups of n cases, shape (n, 10)."""
+    """The groups of n cases as a matrix, shape (n, 10); see `group_columns`."""
     return np.stack(np.broadcast_arrays(*group_columns(values, jet)), axis=-1)

@@ -1,8 +1,9 @@
-"""Presets for `abradem predict`: what a particle is made of, on a plate of steel.
+"""Material presets for `abradem predict`: particle materials on a steel plate.
 
-Values are typical ones: rocks and coals of one name differ by more than the model's error, so
-measure where it matters. What a particle and a plate do together (restitution, friction) depends on
-shape, moisture and finish; where no measurement is cited the middle of the paper's ranges stands.
+The values are typical. Rocks and coals of the same name differ by more than the error of the
+model, so measure them where accuracy matters. Restitution and friction depend on the shape,
+moisture and surface finish of both bodies; where no measurement is cited, they are the middle of
+the paper's ranges.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from abradem.elastic import shear_modulus
 
 
 class Preset(NamedTuple):
-    """Quantities in the units of `abradem.quantities`, and where they come from."""
+    """Quantities in the units of `abradem.quantities`, and their source."""
 
     values: dict[str, float]
     source: str
@@ -27,10 +28,10 @@ def _particle(shear_modulus: float, poisson_ratio: float, density: float) -> dic
     }
 
 
-# The middle of the ranges that the study draws from: an assumption, not a measurement.
+# The middle of the paper's ranges: an assumption, not a measurement.
 _ASSUMED = {"restitution": 0.5, "static_friction": 0.475, "rolling_friction": 0.055}
 
-PLATES: dict[str, Preset] = {
+PLATE_MATERIALS: dict[str, Preset] = {
     "steel": Preset(
         {
             "equipment_shear_modulus": shear_modulus(210e9, 0.3),
@@ -41,7 +42,7 @@ PLATES: dict[str, Preset] = {
     ),
 }
 
-PARTICLES: dict[str, Preset] = {
+PARTICLE_MATERIALS: dict[str, Preset] = {
     "coal": Preset(
         {**_particle(2.01e9, 0.32, 1540.0), **_ASSUMED},
         "G and nu from G 2.01, K 4.91 GPa of a seam: Scientific Reports 2024, "
@@ -67,5 +68,16 @@ PARTICLES: dict[str, Preset] = {
 
 
 def preset(particle: str, plate: str = "steel") -> dict[str, float]:
-    """Quantities of a particle on a plate; raises KeyError for an unknown name."""
-    return {**PLATES[plate].values, **PARTICLES[particle].values}
+    """Quantities of a particle material on a plate material.
+
+    Returns
+    -------
+    dict of str to float
+        In the units of `abradem.quantities`.
+
+    Raises
+    ------
+    KeyError
+        If a material is unknown.
+    """
+    return {**PLATE_MATERIALS[plate].values, **PARTICLE_MATERIALS[particle].values}

@@ -1,11 +1,13 @@
-"""The surrogate at work: the wear of a jet of particles in less than a millisecond, with an interval.
+"""Prediction of wear depth rates and their intervals with the surrogate of a study.
 
-A study writes its surrogate as two files without code, ``surrogate.json`` (features, units,
-training ranges, jet, scores) and ``surrogate.safetensors`` (numbers): two small networks that
-were distilled from the study's best model (`abradem.learning.physical.distil`). One gives the logarithm of
-the wear number, the other the logarithm of its standard deviation; `abradem.surrogate.groups`
-leads from the quantities of a case to their inputs and back to mm/s. The interval comes from
-quantiles of held-out errors over that standard deviation (`abradem.learning.physical.intervals`).
+A prediction takes less than a millisecond. A study writes its surrogate to two files without code:
+``surrogate.json`` (features, units, training ranges, jet, scores) and ``surrogate.safetensors``
+(arrays). They hold two small networks that were distilled from the Gaussian process of the study
+(`abradem.learning.physical.distil`). One gives the logarithm of the wear number, the other the
+logarithm of its standard deviation. `abradem.surrogate.groups` computes the inputs of the networks
+from the quantities of a case, and the scale that converts the wear number to mm/s. The intervals
+use quantiles of held-out errors divided by this standard deviation
+(`abradem.learning.physical.intervals`).
 
 >>> abradem.predict({"plate_angle": 45.0, ...}, model="results/paper/models/surrogate")
 
@@ -20,24 +22,26 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, quantity
 from abradem.surrogate.groups import Jet, group_columns, squared_impact_speed, wear_scale
 
 BLOCK = 4096
-"""Rows computed at once: what they need stays in the processor's cache."""
+"""Number of rows computed at once, few enough for the processor's cache."""
 
 SECONDS_PER_HOUR = 3600.0
 
 SLACK = 0.01
-"""Share of a training range by which a value may lie beyond it without a warning: the cases of a
-study do not sit on the very ends of its ranges."""
+"""Share of a training range by which a value may be outside it without a warning: the cases of a
+study do not reach the exact ends of its ranges."""
 
 NETWORKS = ("mean", "spread")
+"""Networks for the logarithm of the wear number and of its standard deviation."""
 
 
 class PredictionError(ValueError):
-    """A model that cannot be read, or values that cannot be predicted; one line per problem."""
+    """The model cannot be read, or the values are invalid; the message has one line per problem."""
 
 
 class Prediction(NamedTuple):
@@ -48,9 +52,9 @@ class Prediction(NamedTuple):
     rate, lower, upper : ndarray, shape (n,)
         Median and interval, mm/s.
     confidence : float
-        Level of the interval: the share of simulated cases that such intervals hold.
+        Level of the interval: the share of simulated cases inside such intervals.
     warnings : list of str
-        Which values lie outside the training ranges, one line for each quantity.
+        Values outside the training ranges, one line for each quantity.
     """
 
     rate: np.ndarray
@@ -60,16 +64,40 @@ class Prediction(NamedTuple):
     warnings: list[str]
 
     def hours_to(self, depth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Hours until the plate is worn by ``depth`` mm: median, least and most."""
+        """Time in hours until the plate is worn to a depth.
+
+        Parameters
+        ----------
+        depth : float
+            Wear depth, mm.
+
+        Returns
+        -------
+        median, least, most : ndarray, shape (n,)
+            h; ``least`` follows from the upper end of the interval of the rate.
+
+        Raises
+        ------
+        PredictionError
+            If ``depth`` is not a positive number.
+        """
         if not (depth > 0.0 and np.isfinite(depth)):
             raise PredictionError(f"depth = {depth!r} mm must be a positive number")
-        return tuple(
+        median, least, most = (
             depth / rate / SECONDS_PER_HOUR for rate in (self.rate, self.upper, self.lower)
         )
+        return median, least, most
 
 
 class Surrogate:
-    """A surrogate read from its files.
+    """A surrogate, usually read from its files by `load`.
+
+    Parameters
+    ----------
+    description : mapping
+        Content of the JSON file.
+    arrays : mapping of str to ndarray
+        Content of the safetensors file.
 
     Attributes
     ----------
@@ -79,6 +107,7 @@ class Surrogate:
     ranges : dict of str to (float, float)
         Training range of each sampled quantity.
     group_mean, group_scale : ndarray, shape (10,)
+        Scaling of the groups.
     layers : dict of str to list
         Weights and biases of both networks.
     """
@@ -95,7 +124,18 @@ class Surrogate:
 
     @classmethod
     def load(cls, path: str | Path) -> Surrogate:
-        """Read ``path`` (with or without .json) and the safetensors file beside it."""
+        """Read a surrogate from its JSON file and the safetensors file next to it.
+
+        Parameters
+        ----------
+        path : path
+            The JSON file, with or without ``.json``.
+
+        Raises
+        ------
+        PredictionError
+            If a file is missing or damaged.
+        """
         from safetensors import SafetensorError
         from safetensors.numpy import load_file
 
@@ -108,27 +148,32 @@ class Surrogate:
         except FileNotFoundError as error:
             missing = Path(error.filename) if error.filename else path.with_suffix(".safetensors")
             raise PredictionError(
-                f"{missing}: there is no such file; run the study first (make run), or name the "
-                "surrogate of another"
+                f"{missing}: there is no such file; run the study first (make run), or give the "
+                "surrogate of another study"
             ) from None
         except (SafetensorError, ValueError, KeyError, TypeError, OSError) as error:
-            raise PredictionError(f"{path}: damaged, or no surrogate ({error!r})") from None
+            raise PredictionError(f"{path}: damaged, or not a surrogate ({error!r})") from None
 
-    def predict(self, values: Mapping[str, np.ndarray], confidence: float = 0.95) -> Prediction:
-        """Wear depth rates of cases.
+    def predict(self, values: Mapping[str, ArrayLike], confidence: float = 0.95) -> Prediction:
+        """Predict the wear depth rates of some cases.
 
         Parameters
         ----------
         values : mapping of str to float or array
-            The 14 sampled quantities in the units of `abradem.quantities`, which broadcast; a
-            DataFrame does.
+            The 14 sampled quantities in the units of `abradem.quantities`, broadcast to shape
+            (n,). A DataFrame is accepted.
         confidence : float
             Level of the interval, above 0 and below 1.
+
+        Returns
+        -------
+        Prediction
+            Rates in mm/s, shape (n,).
 
         Raises
         ------
         PredictionError
-            If a quantity is missing, unknown to physics or impossible.
+            If a quantity is missing, not a number, or physically impossible.
         """
         columns = _columns(values, self.jet)
         factor = self._factor(confidence)
@@ -146,7 +191,7 @@ class Surrogate:
         return Prediction(rate, rate / ratio, rate * ratio, confidence, self._outside(columns))
 
     def _factor(self, confidence: float) -> float:
-        """Standard deviations on either side: a quantile of the errors of held-out rows."""
+        """Half width of the interval in standard deviations, a quantile of held-out errors."""
         if not 0.0 < confidence < 1.0:
             raise PredictionError(f"confidence = {confidence!r} must lie between 0 and 1")
         return conformal_quantile(self._quantiles, confidence)
@@ -157,7 +202,7 @@ class Surrogate:
             column = columns[name]
             slack = SLACK * (high - low)
             beyond = (column < low - slack) | (column > high + slack)
-            # Wear is proportional to it, whatever its range.
+            # The wear is exactly proportional to the Archard constant, in any range.
             if name == "archard_constant" or not beyond.any():
                 continue
             row, count = quantity(name), int(beyond.sum())
@@ -172,11 +217,11 @@ class Surrogate:
 
 
 def predict(
-    values: Mapping[str, np.ndarray],
+    values: Mapping[str, ArrayLike],
     model: str | Path | Surrogate = "results/paper/models/surrogate",
     confidence: float = 0.95,
 ) -> Prediction:
-    """Wear depth rate, with an interval, by the surrogate of a study.
+    """Predict wear depth rates and their intervals with the surrogate of a study.
 
     Parameters
     ----------
@@ -191,17 +236,30 @@ def predict(
     Returns
     -------
     Prediction
+        Rates in mm/s.
+
+    Raises
+    ------
+    PredictionError
+        If the model cannot be read, or a value is invalid.
     """
     surrogate = model if isinstance(model, Surrogate) else Surrogate.load(model)
     return surrogate.predict(values, confidence)
 
 
 def conformal_quantile(ordered: np.ndarray, confidence: float) -> float:
-    """The quantile of sorted held-out scores that an interval of this level needs.
+    """Quantile of held-out scores for a conformal interval.
 
-    Of n scores the one of rank ceil((n + 1) confidence) makes intervals that hold at least this
-    share of new rows (Vovk, Gammerman and Shafer 2005, Algorithmic Learning in a Random World);
-    beyond n / (n + 1) no rank is high enough and the largest is taken.
+    Of n scores, the one of rank ceil((n + 1) confidence) gives intervals that contain at least
+    this share of new rows (Vovk, Gammerman and Shafer 2005, Algorithmic Learning in a Random
+    World). For a confidence above n / (n + 1) no rank is high enough, and the largest is used.
+
+    Parameters
+    ----------
+    ordered : ndarray, shape (n,)
+        Scores in ascending order.
+    confidence : float
+        Level of the interval, between 0 and 1.
     """
     count = len(ordered)
     rank = int(np.ceil((count + 1) * confidence - 1e-9))
@@ -209,7 +267,7 @@ def conformal_quantile(ordered: np.ndarray, confidence: float) -> float:
 
 
 def _columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
-    """The sampled quantities as arrays of one length, checked."""
+    """The sampled quantities, checked, as arrays of the same length."""
     missing = [name for name in SAMPLED_NAMES if name not in values]
     if missing:
         raise PredictionError(f"missing: {', '.join(missing)}")
@@ -219,7 +277,7 @@ def _columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
         try:
             column = np.atleast_1d(np.asarray(values[row.name], dtype=float))
         except (TypeError, ValueError):
-            problems.append(f"{row.name} holds {values[row.name]!r}, which is no number")
+            problems.append(f"{row.name} = {values[row.name]!r} is not a number")
             continue
         low, high = row.limits
         wrong = ~((column >= low) & (column <= high))
@@ -240,9 +298,7 @@ def _columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
         lengths = {name: len(column) for name, column in columns.items() if len(column) > 1}
         raise PredictionError(f"columns of different length: {lengths}") from None
     if not np.all(squared_impact_speed(columns, jet) > 0.0):
-        raise PredictionError(
-            "a particle that neither starts with a velocity nor falls wears nothing"
-        )
+        raise PredictionError("particles without initial velocity that do not fall cause no wear")
     return columns
 
 
@@ -254,7 +310,7 @@ def _layers(arrays: Mapping[str, np.ndarray], name: str) -> Sequence[tuple[np.nd
 
 
 def _run(layers: Sequence[tuple[np.ndarray, np.ndarray]], z: np.ndarray) -> np.ndarray:
-    """Output of a network with rectified linear units, shape (n,)."""
+    """Output of a network with rectified linear units for rows (n, p), shape (n,)."""
     for place, (weights, biases) in enumerate(layers):
         if place:
             np.maximum(z, 0.0, out=z)

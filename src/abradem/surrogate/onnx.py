@@ -1,9 +1,9 @@
-"""The surrogate as an ONNX graph, for programs that are not Python: needs the extra ``onnx``.
+"""Export of the surrogate as an ONNX graph, for use outside Python; needs the extra ``onnx``.
 
-The graph takes the 14 sampled quantities, each a column (n,) of double precision in the unit of
-`abradem.quantities`, and gives the wear depth rate and the deviation of its logarithm, both (n,).
-The formulas between quantities and networks are not written a second time: the functions of
-`abradem.surrogate.groups` run on symbols that record each operation as a node.
+The inputs of the graph are the 14 sampled quantities, each a vector (n,) in double precision in
+the unit of `abradem.quantities`. The outputs are the wear depth rate (mm/s) and the standard
+deviation of its logarithm, both (n,). The formulas for the groups are not written a second time:
+the functions of `abradem.surrogate.groups` run on symbols that record each operation as a node.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _OPERATORS = {
 
 
 class _Graph:
-    """Nodes and constants of a graph that is being recorded."""
+    """Nodes and constants recorded so far."""
 
     def __init__(self):
         self.nodes, self.constants = [], []
@@ -49,7 +49,7 @@ class _Graph:
 
 
 class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
-    """A value of the graph that takes part in numpy's arithmetic."""
+    """A value of the graph that supports numpy arithmetic."""
 
     def __init__(self, graph: _Graph, name: str):
         self.graph, self.name = graph, name
@@ -64,7 +64,12 @@ class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
 
 
 def export_onnx(surrogate: Surrogate, path: str | Path) -> None:
-    """Write the surrogate as an ONNX file, complete or not at all.
+    """Write the surrogate as an ONNX file; the file is written completely or not at all.
+
+    Parameters
+    ----------
+    surrogate : Surrogate
+    path : path
 
     Raises
     ------

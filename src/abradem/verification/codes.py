@@ -10,6 +10,7 @@ Differences above `ALLOWED` are explained by integrating the impact under the ot
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -112,7 +113,7 @@ def scene_of(variant: str, restitution: float = 0.5, rolling: float = 0.0) -> Sc
     )
 
 
-def constants_of(code: str, restitution: float) -> dict[str, float]:
+def constants_of(code: str, restitution: float) -> dict[str, Any]:
     """Factors on the constants of our law that repeat a code's (`experiments.with_law`)."""
     choices = peer_of(code).choices
     stiffness = choices.wall_radius**0.5
@@ -167,7 +168,8 @@ def checks(comparison: pd.DataFrame) -> list[Check]:
     """Largest difference over the angles, for each code, variant, e and quantity."""
     found = []
     groups = ["code", "variant", "restitution", "quantity"]
-    left, anew = {}, 0.0
+    left: dict[str, float] = {}
+    anew = 0.0
     for (code, variant, e, quantity), part in comparison.groupby(groups, sort=False):
         words = f"{code} ({variant}), e = {e:g}: {QUANTITIES[quantity]}, largest difference"
         ours, theirs = largest(part, "ours"), largest(part, "theirs")

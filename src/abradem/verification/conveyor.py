@@ -50,7 +50,7 @@ def filling() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def jets() -> pd.DataFrame:
+def jet_rates() -> pd.DataFrame:
     """Depth rate of jets on an inclined plate, mm/s."""
     rows = []
     for mass_rate, angle in itertools.product((1.0, 4.0), (25.0, 45.0)):
@@ -70,7 +70,7 @@ def jets() -> pd.DataFrame:
 
 def study() -> dict[str, pd.DataFrame]:
     """Return the tables of this part."""
-    rates = pd.concat([filling(), jets()], ignore_index=True)
+    rates = pd.concat([filling(), jet_rates()], ignore_index=True)
     low, high = rates["depth_rate"].min(), rates["depth_rate"].max()
     middle = float(np.exp(np.log(rates["depth_rate"]).mean()))
     words = f"band of the assumed loads {low:.2g} to {high:.2g} mm/s"

@@ -6,6 +6,7 @@ Each returns what was measured; `closed_forms` says what should come out.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -131,7 +132,7 @@ def with_law(problem, pairs: bool = False, **factors: float):
     return problem._replace(**changed)
 
 
-def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000, **law: float):
+def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000, **law: Any):
     """An impact under a law with other constants than a study can choose.
 
     Parameters

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from abradem.dem.model import Interaction
+from abradem.dem.model import Interaction, SimulationResult
 from abradem.verification.checks import Check, checks_table
 from abradem.verification.jets import JET, jet_case, run_jet
 from abradem.verification.scenes import Film, Scene, solid
@@ -74,17 +74,17 @@ class _Ledger(Film):
         self.dissipated: list[float] = []
 
     def record(self, time, problem, state):
-        from abradem.dem.energy import energy_book
+        from abradem.dem.energy import energy_balance
 
         super().record(time, problem, state)
         if self.frames:
             present = self.frames[-1]["x"].size
             tally = state.tally[0]
             self.counts.append((int(tally["placed"]), int(tally["removed"]), present))
-            self.dissipated.append(energy_book(problem, state)["dissipated"])
+            self.dissipated.append(energy_balance(problem, state)["dissipated"])
 
 
-def pour() -> tuple[object, _Ledger]:
+def pour() -> tuple[SimulationResult, _Ledger]:
     """Pour layers of nine particles on a level plate, then let them rest for a second."""
     pitch = 2.2 * HEAP.radius
     square = [(i * pitch, j * pitch) for i in (-1, 0, 1) for j in (-1, 0, 1)]

@@ -185,10 +185,10 @@ def plane_checks() -> list[Check]:
     for angle, mu_r, words in (
         (20.0, 0.0, "rolls"), (20.0, 0.05, "rolls"), (60.0, 0.0, "slides"), (60.0, 0.05, "slides"),
     ):  # fmt: skip
-        form = exact.incline_acceleration(angle, 0.3, mu_r, GRAVITY)
+        exactly = exact.incline_acceleration(angle, 0.3, mu_r, GRAVITY)
         ours = incline(SOFT.with_interaction(rolling_friction=mu_r), angle)
         checks.append(
-            Check(f"incline {angle:g} deg, mu_r = {mu_r:g}: {words}", ours, form, ROUNDING, "m/s2")
+            Check(f"incline {angle:g} deg, mu_r = {mu_r:g}: {words}", ours, exactly, ROUNDING, "m/s2")
         )
     rests = abs(incline(SOFT.with_interaction(rolling_friction=0.1), 5.0))
     checks.append(Check("incline 5 deg, mu_r = 0.1: rests", rests, 0.0, CREEP, "m/s2", "absolute"))

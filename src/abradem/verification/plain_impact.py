@@ -90,7 +90,7 @@ def plain_impact(
     dt = exact.hertz(young, contact_radius, mass, closing).duration / steps
     overlap, spring, stretch, stiffness_before = 0.0, 0.0, 0.0, 0.0
     total, work, wear = 0.0, 0.0, 0.0
-    track = []
+    track: list[tuple[float, float, float]] = []
     while True:
         overlap += closing * dt
         if overlap <= 0.0:

@@ -130,7 +130,7 @@ class Film:
     def __init__(self, interval: float):
         self.interval = interval
         self.time: list[float] = []
-        self.frames: list[np.ndarray] = []
+        self.frames: list[dict[str, np.ndarray]] = []
         self.pair_force: list[float] = []
         self.worn: list[float] = []
 

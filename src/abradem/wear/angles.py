@@ -1,9 +1,10 @@
-"""Short simulations for pictures: snapshots of a case, and wear depth against time by angle."""
+"""Short simulations for figures: wear depth over time for several plate and factory angles."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import pandas as pd
 
@@ -16,25 +17,25 @@ ANGLES = ("plate_angle", "factory_angle")
 
 
 def depth_by_angle(
-    case: Mapping[str, float],
+    case: Mapping[str, Any],
     setup: Setup,
     angles: Mapping[str, Iterable[float]],
     duration: float,
     min_batches: int = 20,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Wear depth of the plate against time for a case whose angles are varied one by one.
+    """Simulate the wear depth of the plate over time, with each angle varied separately.
 
     Parameters
     ----------
     case : mapping
-        Arguments of `abradem.Case`; its angles hold while the other is varied.
+        Arguments of `abradem.Case`; each of its angles is fixed while the other is varied.
     setup : Setup
     angles : mapping
         Values of each of `ANGLES`, degrees.
     duration : float
-        Simulated time of each, s.
+        Simulated time of each case, s.
     min_batches : int
-        Batches behind slope and standard error.
+        Number of batches for slope and standard error.
 
     Returns
     -------

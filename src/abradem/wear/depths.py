@@ -1,4 +1,4 @@
-"""Wear depth of every facet at the times of snapshots."""
+"""Wear depth of all facets at the times of the snapshots."""
 
 from __future__ import annotations
 
@@ -14,14 +14,17 @@ from abradem.units import MM_PER_M
 def depth_frames(
     wear: pd.DataFrame, case: Mapping[str, float], setup: Setup, measure: str = "total"
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Wear depth of every facet at the times of the snapshots.
+    """Return the wear depth of all facets at the times of the snapshots.
+
+    The depth is W J / A, with the cumulative work J of a facet and its area A (Archard 1953,
+    J. Appl. Phys. 24:981).
 
     Parameters
     ----------
     wear : pandas.DataFrame
-        Snapshots as `abradem.simulation.snapshots` writes them, of an Archard constant of 1.
+        Snapshots written by `abradem.simulation.snapshots`, for an Archard constant of 1.
     case : mapping
-        Holds ``archard_constant``, 1/Pa.
+        Contains ``archard_constant`` W, 1/Pa.
     setup : Setup
     measure : str
         One of `abradem.quantities.WEAR_MEASURES`.
@@ -31,7 +34,7 @@ def depth_frames(
     times : ndarray, shape (n,)
         s.
     depth : ndarray, shape (n, nx, nz)
-        mm, along the plate's length and width.
+        mm, along the length and the width of the plate.
     """
     nx, nz = setup.facets
     ordered = wear.sort_values(["time", "facet_x", "facet_z"], kind="stable")

@@ -1,21 +1,21 @@
-"""From what a simulation wrote to wear rates: steady slope, its error, its quality.
+"""Wear rates from the results of simulations: steady slope, standard error and quality flags.
 
-Simulations record, for an Archard constant of 1, the cumulative work J = F_n ds (J) of three
-wear measures on the whole plate, and J per facet within one window. Archard's law makes the worn
-volume W J and, per area, the depth::
+Simulations record, for an Archard constant of 1, the cumulative work J = F_n ds (J) of three wear
+measures on the whole plate, and J per facet in one window. By Archard's law (Archard 1953, J. Appl.
+Phys. 24:981) the worn volume is W J. Divided by the area it is the depth::
 
     plate mean    W / A_plate dJ/dt, slope over equal batches of increments of the steady part
-    footprint     W / A J summed over the fewest facets that hold 95 % of it, A their area,
-                  per length of the window
-    p99, max      the 99th percentile and the largest of W J_facet / A_facet, per length of the
-                  window
+    footprint     W / A J summed over the smallest set of facets with 95 % of it, A their area,
+                  divided by the length of the window
+    p99, max      the 99th percentile and the maximum of W J_facet / A_facet, divided by the
+                  length of the window
 
-W is a factor of everything here, so one simulation serves every W.
+All results are proportional to W, so one simulation is valid for every W.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -26,14 +26,15 @@ from abradem.quantities import WEAR_COLUMNS, WEAR_MEASURES, wear_column
 from abradem.units import MM_PER_M
 
 SHORTFALL_SHARE = 0.95
-"""Feed achieved below this share of the feed asked for is flagged."""
+"""A case is flagged if the delivered feed is below this share of the requested feed."""
 
 OVERLAP_SHARE = 0.05
-"""Largest overlap above this share of the radius is flagged: the contact law is then strained."""
+"""A case is flagged if its largest overlap is above this share of the radius, where the contact law
+becomes inaccurate."""
 
 
 class SteadyRate(NamedTuple):
-    """Steady part of one cumulative series; rates in J/s, ``r2`` of its straight line."""
+    """Steady rate of one cumulative series, J/s, and ``r2`` of the series against a line."""
 
     rate: float
     stderr: float
@@ -43,23 +44,23 @@ class SteadyRate(NamedTuple):
 
 
 def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int = 20) -> SteadyRate:
-    """Rate of a cumulative series from ``start`` on, with its standard error.
+    """Return the rate of a cumulative series from ``start`` on, with its standard error.
 
     Parameters
     ----------
     time, worn : ndarray, shape (n,)
-        Sample times, s, and cumulative J, J.
+        Sample times, s, and cumulative work J, J.
     start : float
-        Where the steady state begins, s.
+        Start of the steady state, s.
     batches : int
         Number of equal batches.
 
     Returns
     -------
     SteadyRate
-        The rate is the mean of the batches' increments per time, the standard error that of
-        `abradem.dem.steady.batch_means`. ``r2`` only describes the series: a cumulative
-        series has R2 near 1 whatever happens. All nan if there is no steady part.
+        The rate is the mean increment per time over the batches; the standard error is that of
+        `abradem.dem.steady.batch_means`. ``r2`` is not a quality measure: every cumulative series
+        has R2 near 1. All are nan if there is no steady part.
     """
     if not np.isfinite(start) or len(time) < 2:
         return SteadyRate(np.nan, np.nan, np.nan, 0, np.nan)
@@ -69,7 +70,7 @@ def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int =
 
 
 def straightness(time: np.ndarray, worn: np.ndarray) -> float:
-    """R2 of a series against its least-squares straight line; nan where undefined."""
+    """Return R2 of a series against its least-squares straight line, or nan if undefined."""
     if len(time) < 3:
         return np.nan
     t, w = time - time.mean(), worn - worn.mean()
@@ -78,7 +79,7 @@ def straightness(time: np.ndarray, worn: np.ndarray) -> float:
 
 
 def footprint(wear: np.ndarray, share: float = 0.95) -> np.ndarray:
-    """Which facets hold ``share`` of the wear: the fewest that do, the most worn first.
+    """Return the smallest set of facets with ``share`` of the wear, the most worn ones.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ def footprint(wear: np.ndarray, share: float = 0.95) -> np.ndarray:
     Returns
     -------
     ndarray of bool, shape of ``wear``
-        None if nothing is worn; of equally worn facets the first in memory come first.
+        All False if there is no wear. Among equally worn facets, the first in memory is taken.
     """
     flat = np.asarray(wear, dtype=float).ravel()
     chosen = np.zeros(flat.size, dtype=bool)
@@ -106,18 +107,23 @@ def footprint(wear: np.ndarray, share: float = 0.95) -> np.ndarray:
 def facet_rates(
     wear: np.ndarray, facet_area: float, window: float, footprint_share: float = 0.95
 ) -> dict[str, float]:
-    """Statistics over facets of J per area and time, J/(m2 s); without the plate's mean.
+    """Return statistics over the facets of J per area and time, J/(m2 s), except for the mean.
 
     Parameters
     ----------
     wear : ndarray, shape (nx, nz)
-        J within the window, J.
+        Work J of each facet in the window, J.
     facet_area : float
         m2.
     window : float
         Length of the window, s.
     footprint_share : float
-        Share of the wear that the footprint holds.
+        Share of the wear in the footprint.
+
+    Returns
+    -------
+    dict of str to float
+        ``footprint``, ``p99`` and ``max``.
     """
     density = wear / (facet_area * window)
     worn = footprint(wear, footprint_share)
@@ -129,7 +135,7 @@ def facet_rates(
 
 
 def depth_map(maps: pd.DataFrame, facets: tuple[int, int]) -> dict[str, np.ndarray]:
-    """Maps of one case as arrays of shape ``facets``, by wear measure, J; absent facets are unworn."""
+    """Return the maps of one case by wear measure, J, shape ``facets``; 0 for missing facets."""
     x, z = maps["facet_x"].to_numpy(), maps["facet_z"].to_numpy()
     if len(maps) and not (
         0 <= x.min() <= x.max() < facets[0] and 0 <= z.min() <= z.max() < facets[1]
@@ -151,27 +157,32 @@ def wear_rates(
     min_batches: int = 20,
     footprint_share: float = 0.95,
 ) -> pd.DataFrame:
-    """Wear rates of the cases of a batch.
+    """Return the wear rates of the cases of a batch, by Archard's law (Archard 1953).
 
     Parameters
     ----------
     series, maps, runs : pandas.DataFrame
-        As the simulations wrote them (W = 1).
+        Tables written by the simulations (W = 1).
     cases : pandas.DataFrame
-        Holds case_id and archard_constant (1/Pa) of at least these cases.
+        Contains case_id and archard_constant (1/Pa) of at least these cases.
     setup : Setup
-        Gives the plate, its facets and the standard error aimed at.
+        Defines the plate, its facets and the target standard error.
     min_batches : int
-        Batches of increments behind slope and standard error, at least 20.
+        Number of batches of increments for slope and standard error, at least 20.
     footprint_share : float
-        Share of a wear measure's wear that its footprint holds.
+        Share of the wear of a wear measure in its footprint.
 
     Returns
     -------
     pandas.DataFrame
-        One row per case that ended well, by case_id: depth rates (mm/s) for each wear measure and
+        One row per successful case, by case_id: depth rates (mm/s) for each wear measure and
         statistic, ``wear_total_mean_stderr`` (mm/s), ``wear_r2``, ``wear_batches``,
         ``wear_lag1``, ``worn_volume_rate`` (m3/s), ``wear_per_kg`` (m3/kg) and ``quality``.
+
+    Raises
+    ------
+    ValueError
+        If ``min_batches`` is below 20, or a simulated case has no row in ``cases`` or ``series``.
     """
     if min_batches < 20:
         raise ValueError(f"min_batches = {min_batches} must be at least 20")
@@ -216,17 +227,17 @@ _PROPORTIONAL = (*WEAR_COLUMNS, "wear_total_mean_stderr", "worn_volume_rate", "w
 
 
 def quality(run: dict, relative_stderr: float, setup: Setup) -> str:
-    """Flags of a case joined by "+", or "ok".
+    """Return the flags of a case joined by "+", or "ok".
 
-    ``shortfall``: less than 95 % of the feed was delivered. ``overlap``: an overlap exceeded
-    5 % of the radius. ``stderr``: the relative standard error of the plate mean is above the
-    one aimed at. ``unsteady``: no steady state, no full window after it, or (where the runs
-    say whether the record had ``settled``) a record that still drifts at its end.
+    ``shortfall``: less than 95 % of the requested feed was delivered. ``overlap``: an overlap
+    exceeded 5 % of the radius. ``stderr``: the relative standard error of the plate mean is above
+    the target. ``unsteady``: no steady state, no full window after it, or (if the runs have the
+    column ``settled``) a record that still drifts at its end.
     """
     window = run["window_end"] - run["window_start"]
     steady = np.isfinite(run["steady_from"]) and window > 0.0 and run.get("settled", True)
     flags = {
-        # A schedule of releases asks for no rate; there is then nothing to fall short of.
+        # Given releases have no requested rate (nan); the comparison is then False.
         "shortfall": run["delivered_rate"] < SHORTFALL_SHARE * run["requested_rate"],
         "overlap": not run["max_overlap"] <= OVERLAP_SHARE,
         "stderr": not relative_stderr <= setup.target_stderr,
@@ -243,7 +254,7 @@ def _case_rates(
     batches: int,
     footprint_share: float,
 ) -> dict:
-    """The row of one case for W = 1; depth rates in mm/s per 1/Pa and so on."""
+    """Return the row of one case for W = 1; depth rates in mm/s per 1/Pa, others accordingly."""
     time = series["time"].to_numpy(dtype=float)
     start = run["steady_from"]
     steady = {
@@ -253,7 +264,7 @@ def _case_rates(
     nx, nz = setup.facets
     window = run["window_end"] - run["window_start"]
     arrays = depth_map(maps, setup.facets)
-    row = {}
+    row: dict[str, Any] = {}
     for measure in WEAR_MEASURES:
         row[wear_column(measure, "mean")] = MM_PER_M * steady[measure].rate / setup.plate_area
         over_facets = (
@@ -277,12 +288,12 @@ def _case_rates(
 
 
 def _worn(row: dict, archard_constant: float) -> dict:
-    """A row for W = 1 scaled to W, which is exact."""
+    """Return a row for W = 1 scaled to W, which is exact."""
     return {k: v * archard_constant if k in _PROPORTIONAL else v for k, v in row.items()}
 
 
 def _feed_rate(time: np.ndarray, delivered: np.ndarray, start: float) -> float:
-    """Mass delivered per time over the steady part, kg/s."""
+    """Return the mass delivered per time over the steady part, kg/s."""
     if not (np.isfinite(start) and time[-1] > start):
         return np.nan
     return float(delivered[-1] - np.interp(start, time, delivered)) / (time[-1] - start)

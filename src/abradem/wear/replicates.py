@@ -1,4 +1,4 @@
-"""Cases simulated again with other seeds: how much of a wear rate is chance."""
+"""Repeated simulations with other seeds, for the random part of a wear rate."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ from abradem.simulation.batch import TABLES, run_case
 from abradem.wear.rates import wear_rates
 
 CHEAP_SHARE = 0.5
-"""Replicates are made of this share of the cases, those with the largest particles."""
+"""Share of the cases, those with the largest particles, from which replicates are chosen."""
 
 
 def choose_cases(cases: pd.DataFrame, count: int) -> pd.DataFrame:
-    """The cases to repeat: ``count`` of those with large particles, evenly over their radii.
+    """Return the cases to repeat: ``count`` cases with large particles, evenly over their ranks.
 
     Parameters
     ----------
     cases : pandas.DataFrame
-        The cases of a study's first block.
+        Cases of the first block of a study.
     count : int
+        Number of cases to choose.
     """
     sound = cases[cases["rejected"] == ""].sort_values("particle_radius", ignore_index=True)
     large = sound.iloc[int(len(sound) * (1.0 - CHEAP_SHARE)) :]
@@ -41,7 +42,7 @@ def replicate(
     cases : pandas.DataFrame
         Rows of `choose_cases`.
     replicates : int
-        Simulations of each.
+        Number of simulations of each case.
     setup : mapping
         Plain values of the `Setup`.
     min_batches : int
@@ -50,16 +51,19 @@ def replicate(
     Returns
     -------
     pandas.DataFrame
-        case_id, replicate, seed, wear_total_mean, wear_total_mean_stderr (mm/s); simulations that
-        ended without a rate are left out.
+        case_id, replicate, seed, wear_total_mean, wear_total_mean_stderr (mm/s). Simulations
+        without a wear rate are left out.
     """
     found = []
     for case in cases.to_dict("records"):
         for number in range(replicates):
             row = {**case, "seed": case_seed(int(case["seed"]), number)}
             tables = run_case(row, setup)
+            series, maps, runs = (tables[name] for name in TABLES)
             rates = wear_rates(
-                *(tables[name] for name in TABLES),
+                series,
+                maps,
+                runs,
                 pd.DataFrame([row]),
                 Setup.from_dict(setup),
                 min_batches,

@@ -1,0 +1,1 @@
+"""Display names for figures, tables and the report, in `labels`."""

@@ -1,6 +1,6 @@
-"""What quantities, groups, models and protocols are called: the words of figures, tables and pages.
+"""Display names of quantities, groups, models and protocols for figures, tables and the report.
 
-No number depends on this package. An edit here redraws figures and rewrites the report; it
+No result depends on this package. An edit here redraws figures and rewrites the report, but
 repeats no simulation and trains no model.
 """
 
@@ -12,7 +12,7 @@ from abradem.quantities import quantity, wear_column
 
 
 class Label(NamedTuple):
-    """Mathematical symbol in TeX, without dollar signs, and the words for an axis."""
+    """Mathematical symbol in TeX, without dollar signs, and the name for an axis."""
 
     tex: str
     long_name: str
@@ -42,7 +42,7 @@ LABELS: dict[str, Label] = {
     "wear_total_mean": Label(r"\dot h", "wear depth rate"),
     "impact_speed": Label("v", "speed of impact"),
 }
-"""Labels of the quantities of `abradem.quantities`, and of the speed of impact, by name."""
+"""Labels of the quantities of `abradem.quantities` and of the impact speed, by name."""
 
 GROUP_LABELS: dict[str, Label] = {
     "constant": Label(r"\ln C", "constant"),
@@ -58,14 +58,14 @@ GROUP_LABELS: dict[str, Label] = {
     "jet_width": Label(r"\cos\theta", "width of the jet"),
     "plate_angle_squared": Label(r"\varphi^2", "square of the plate angle"),
 }
-"""Labels of the terms of the power law: its constant and the groups of `abradem.surrogate.groups`."""
+"""Labels of the terms of the power law: the constant and the groups of `abradem.surrogate`."""
 
 MEASURE_WORDS = {
     "total": "all tangential motion under load",
     "sliding": "sliding while Coulomb's limit is active",
     "friction": "friction work over the coefficient of friction",
 }
-"""The wear measures of `abradem.quantities.WEAR_MEASURES`."""
+"""Descriptions of the wear measures of `abradem.quantities.WEAR_MEASURES`."""
 
 STATISTIC_WORDS = {
     "mean": "mean over the plate",
@@ -73,17 +73,17 @@ STATISTIC_WORDS = {
     "p99": "99th percentile of facets",
     "max": "worst facet",
 }
-"""The statistics over the plate of `abradem.quantities.STATISTICS`."""
+"""Descriptions of the statistics over the plate of `abradem.quantities.STATISTICS`."""
 
 WEAR_WORDS = {
     wear_column(measure, statistic): f"wear depth rate, {of_statistic} ({of_measure})"
     for measure, of_measure in MEASURE_WORDS.items()
     for statistic, of_statistic in STATISTIC_WORDS.items()
 }
-"""What each wear rate of the data set is, by its column."""
+"""Descriptions of the wear rates of the data set, by column."""
 
 PROTOCOLS = {"as_published": "as published", "leakage_free": "leakage-free"}
-"""The protocols of `abradem.learning.protocols`."""
+"""Display names of the protocols of `abradem.learning.protocols`."""
 
 MODELS = {
     "linear": "least squares",
@@ -101,7 +101,7 @@ MODELS = {
     "gaussian_process": "Gaussian process",
     "surrogate": "surrogate (distilled)",
 }
-"""The models of `abradem.learning`, by the names that tables give them."""
+"""Display names of the models of `abradem.learning`, by their names in the tables."""
 
 
 def feature_label(name: str) -> str:

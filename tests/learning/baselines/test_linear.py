@@ -1,4 +1,4 @@
-"""The linear model against planted coefficients; honesty where the rows do not suffice."""
+"""The linear model: known coefficients are recovered; too few rows are reported."""
 
 import json
 
@@ -19,7 +19,7 @@ from abradem.store.tables import read_table, read_units
 
 
 def sampled(n, seed=0, **fixed):
-    """A table of ``n`` random cases within the study's ranges, with features, without target."""
+    """A table of ``n`` random cases within the paper's ranges, with features, without target."""
     rng = np.random.default_rng(seed)
     cases = pd.DataFrame({row.name: rng.uniform(*row.paper_range, n) for row in SAMPLED}).assign(
         **fixed
@@ -241,7 +241,7 @@ def test_studentised_residuals_have_unit_spread_and_follow_the_normal_quantiles(
     assert rows["studentised"].std() == pytest.approx(1.0, abs=0.02)
     assert np.corrcoef(rows["studentised"], rows["normal_quantile"])[0, 1] > 0.99
     assert (rows["studentised"].rank() == rows["normal_quantile"].rank()).all()
-    # Without a degree of freedom there is no scatter to measure with.
+    # Without a degree of freedom the residual variance cannot be estimated.
     few = linear.fit_linear(with_target(sampled(12), 0.2), repeats=1).residuals
     assert few[["studentised", "normal_quantile"]].isna().all(axis=None)
 
@@ -283,7 +283,7 @@ def test_as_published_scales_over_all_rows_and_says_so():
 
 
 def test_the_misprints_of_the_printed_equation_are_found_where_the_refit_is_its_own():
-    """A table of the study's size whose refit is the printed equation but for four numbers."""
+    """A table of the paper's size whose refit is the printed equation except for four numbers."""
     table = sampled(198)
     z = standard_scaler(table[list(FEATURE_NAMES)].to_numpy()).forward(
         table[list(FEATURE_NAMES)].to_numpy()
@@ -292,8 +292,8 @@ def test_the_misprints_of_the_printed_equation_are_found_where_the_refit_is_its_
     slopes[[1, 4, 8, 16]] = [-0.164, 1.650, 0.210, 0.218]
     train, test = published_split(198, 0.2)
     wear = z @ slopes
-    # Scatter that the fit of the training rows does not see, a shift of the test rows that makes
-    # the intercept, and both together a standard deviation of 1.
+    # Noise orthogonal to the fit of the training rows, a shift of the test rows that gives the
+    # intercept, and a standard deviation of 1 for both together.
     design = np.column_stack([np.ones(len(train)), z[train]])
     scatter = np.random.default_rng(0).standard_normal(len(train))
     scatter -= design @ np.linalg.lstsq(design, scatter, rcond=None)[0]

@@ -1,4 +1,4 @@
-"""Networks against plain torch; the genetic search: its laws, its chance, its interruptions."""
+"""Networks compared with plain torch; the genetic search: operators, chance, interruptions."""
 
 import json
 import os
@@ -34,7 +34,7 @@ def problem(n=90, seed=0):
 
 
 def plain(net, seed, x, y, training):
-    """The same training by torch's own layers, gradients and optimiser."""
+    """The same training with the layers, gradients and optimiser of torch."""
     layers = []
     for weights, biases in zip(net.weights, net.biases, strict=True):
         layer = torch.nn.Linear(*weights.shape)
@@ -153,7 +153,7 @@ def test_roulette_tells_good_networks_apart():
     fitness = np.array([0.9, 0.94, 0.98])
     picked = np.bincount([genetic.pick(fitness, options, rng) for _ in range(900)], minlength=3)
     assert picked[0] == 0 and picked[2] / picked[1] == pytest.approx(2.0, rel=0.25)
-    # Where none is better than another, all have the same chance.
+    # With equal fitness all have the same probability.
     picked = np.bincount([genetic.pick(np.full(3, -5.0), options, rng) for _ in range(900)])
     assert picked.min() > 200
 
@@ -195,7 +195,7 @@ def test_the_number_of_cores_changes_nothing(weights):
 
 
 def test_the_threads_of_linear_algebra_change_nothing():
-    """Snakemake tells it to use as many as a rule has cores."""
+    """Snakemake sets the number of threads to the cores of the rule."""
     from threadpoolctl import threadpool_limits
 
     rng = np.random.default_rng(0)
@@ -248,7 +248,7 @@ def test_networks_are_counted_with_the_weights_that_they_inherit():
     assert once.trained == SMALL.population
     same = SMALL._replace(mutation=0.0, crossover=0.0, weights="inherited", elites=1)
     inherited = search(problem(), same, QUICK, seed=1)
-    # Every child begins where a parent ended, so it is another network.
+    # Every child starts from the weights of a parent, so it is a different network.
     assert inherited.trained > SMALL.population
 
 
@@ -360,7 +360,7 @@ OPTIONS = {
 
 @pytest.fixture(scope="module")
 def of_noise():
-    """Both protocols where there is nothing to learn, so that whatever looks good is chance."""
+    """Both protocols on data without any relation, so that good scores are due to chance."""
     longer = Training(30, 16, 3e-3)
     options = SMALL._replace(population=10, generations=6, max_neurons=40)
     varied = {"options": options, "training": longer, "final": longer, "retrainings": 9}
@@ -377,11 +377,11 @@ def r2(result, split, model="ga_ann"):
 
 def test_looking_at_the_test_rows_is_optimistic_where_there_is_nothing_to_learn(of_noise):
     published, leakage_free = of_noise["as_published"], of_noise["leakage_free"]
-    # The same net trained again shows what the score of the best look hides.
+    # Retraining the same network reveals that the best score is due to chance.
     assert r2(published, "test")[0] > np.median(r2(published, "retrained")) + 0.2
     assert r2(published, "test")[0] > 0.1 > r2(leakage_free, "test")[0]
     assert r2(published, "test")[0] >= r2(published, "search")[0]
-    # Leakage-free, the search flatters itself on its validation rows and not on the test rows.
+    # Leakage-free, the score is optimistic on the validation rows but not on the test rows.
     assert r2(leakage_free, "search")[0] > r2(leakage_free, "test")[0] + 0.1
     assert r2(leakage_free, "test")[0] == r2(leakage_free, "retrained")[0]
 

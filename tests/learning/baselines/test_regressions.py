@@ -1,4 +1,4 @@
-"""Lasso, ridge, components, selection and trees on tables whose law is known."""
+"""Lasso, ridge, PCA, feature selection and trees on data with a known law."""
 
 import numpy as np
 import pytest
@@ -99,7 +99,7 @@ def test_the_penalty_is_chosen_without_the_test_rows(table):
 
 
 def test_leakage_free_scores_are_close_to_the_law(penalised):
-    # Noise of .3 beside a law of variance .7 leaves R2 of .89 to be had.
+    # With noise of .3 and a law of variance .7 the largest R2 is .89.
     for model in ("lasso", "ridge"):
         assert np.median(r2(penalised.results, model, "leakage_free")) > 0.8
 
@@ -249,7 +249,7 @@ def test_a_quantity_that_never_varied_does_not_carry_predictions_away():
         with pytest.warns(UserWarning, match="equipment_density: 60 of 60 values lie outside"):
             predicted = model.predict(elsewhere)
         np.testing.assert_allclose(predicted, model.predict(rows), rtol=1e-9)
-    # A network gives such a feature the weights that it began with.
+    # A network keeps the initial weights of such a feature.
     column = standard_scaler(np.full((5, 1), 37e9)).forward(np.array([[80e9]]))
     assert np.abs(column).max() < 2.0
 

@@ -1,4 +1,4 @@
-"""The Gaussian process against scikit-learn's, finite differences and plain leaving out."""
+"""The Gaussian process compared with scikit-learn, finite differences and plain leave-one-out."""
 
 import numpy as np
 import pytest
@@ -70,7 +70,7 @@ def test_an_outlying_row_is_found_and_does_no_harm():
     bad[5] += 2.0
     process = GaussianProcess().fit(x, bad, error)
     assert np.argmin(process.weights) == 5 and process.weights[5] < 0.1
-    # Doubting it must not make it look expected: intervals are calibrated on these.
+    # A low weight must not increase the predicted deviation, on which intervals are calibrated.
     assert process.deviations[5] < 2.0 * np.median(process.deviations)
     new = np.random.default_rng(1).uniform(-1.0, 1.0, (200, 3))
     assert np.abs(process.predict(new) - clean.predict(new)).max() < 0.15

@@ -1,4 +1,4 @@
-"""Models on dimensionless groups: leakage-free, calibrated, aware of noise, and what they say."""
+"""Models on dimensionless groups: no leakage, calibration, noise floor, findings."""
 
 import os
 
@@ -42,7 +42,7 @@ AUTHORS_TABLE = "ABRADEM_AUTHORS_TABLE"
 
 
 def law(n=150, scatter=0.05, seed=0):
-    """Wear of a smooth law, with the standard error that it has."""
+    """Wear of a smooth law with noise, and the standard error of the noise."""
     table = product_law(n, scatter, seed)
     return table.assign(wear_total_mean_stderr=scatter * table["wear_total_mean"])
 
@@ -76,7 +76,7 @@ def test_every_model_learns_a_smooth_law(given):
 
 
 def test_no_model_sees_the_test_rows(given):
-    # Were a test row seen, spoiling its target would change what is predicted for it.
+    # If a test row were used, changing its target would change its prediction.
     _, test = next(repeated_splits(given.table.keys, 0.2, 1, 1))
     spoiled = given.log_number.copy()
     spoiled[test] += 5.0
@@ -123,7 +123,7 @@ def test_intervals_hold_what_they_promise(given):
     conformal = calibration[calibration["method"] == "conformal"]
     assert (np.diff(conformal["coverage"]) >= 0.0).all()
     assert (np.diff(conformal["width"]) > 0.0).all()
-    # The scatter is 5 %: half of new rows lie within about .67 times that.
+    # The noise is 5 %: half of the new rows are within about .67 times that.
     half = conformal[conformal["level"] == 0.5]["width"].iloc[0]
     assert 0.02 < half < 0.08
 
@@ -139,7 +139,7 @@ def test_the_noise_floor_is_what_a_perfect_model_scores():
         {"case_id": np.arange(4000), "wear_total_mean": noisy,
          "wear_total_mean_stderr": 0.2 * noisy}
     )  # fmt: skip
-    # The errors stated are twice too large; the replicates tell.
+    # The standard errors are twice too large, which the replicates reveal.
     chosen = np.repeat(np.arange(40), 10)
     repeated = true[chosen] * (1.0 + 0.1 * rng.standard_normal(400))
     replicates = pd.DataFrame(
@@ -185,7 +185,7 @@ def test_the_quantities_of_a_planted_law_are_found(given, process):
     others = wear.drop(index=list(planted))
     assert (others["total"] < 0.03).all()
     assert (wear["total"] >= wear["first"] - 0.05).all()
-    # In the logarithm the law is a sum: what each explains alone adds up to all.
+    # The logarithm of the law is a sum, so the first-order indices add up to 1.
     assert indices.query("explained == 'log wear'")["first"].sum() == pytest.approx(1.0, abs=0.06)
     found = verdict(indices)
     assert planted <= set(found["dominant"])
@@ -194,7 +194,7 @@ def test_the_quantities_of_a_planted_law_are_found(given, process):
 
 
 def test_sobol_intervals_follow_from_the_seed_alone(given, process):
-    """scipy's bootstrap draws from numpy's global generator, which must be left as it was."""
+    """scipy's bootstrap uses numpy's global generator, whose state must be restored."""
     options = {"points": 64, "resamples": 10, "seed": 1}
     np.random.seed(5)  # noqa: NPY002
     first = sobol(process, given, **options)
@@ -240,7 +240,7 @@ def test_rows_beyond_a_bound_are_not_trained_on(given):
     assert list(few.columns) == list(found.columns)
 
 
-# What they say
+# Findings
 
 
 def test_the_findings_repeat_the_numbers(given):
@@ -266,11 +266,11 @@ def test_the_findings_repeat_the_numbers(given):
     )  # fmt: skip
     best = summary["scores"][PROCESS]["test"]["R2"]["median"]
     assert f"Gaussian process {best:.4f}" in text["Comparison"]
-    assert f"stays {0.999 - best:.4f} below" in text["Comparison"]
+    assert f"is {0.999 - best:.4f} below this limit" in text["Comparison"]
     assert "20 thousand times faster" in text["Speed"]
     assert summary["equation"] in text["Power law"]
     assert "Archard wear constant (" in text["Sensitivity"]
-    assert f"costs most of R2 ({falls['fall'].max():.2f})" in text["Sensitivity"]
+    assert f"causes the largest fall of R2 ({falls['fall'].max():.2f})" in text["Sensitivity"]
     page = to_html("<t>", list(text.items()))
     assert "&lt;t&gt;" in page and "script" not in page
 

@@ -1,4 +1,4 @@
-"""A model of the paper, or a step towards one: its module trains it and names the outputs."""
+"""A model of the paper, or the feature selection; its module trains it and names the outputs."""
 
 from importlib import import_module
 

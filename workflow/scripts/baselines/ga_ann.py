@@ -1,4 +1,4 @@
-"""The networks whose architecture a genetic search finds, under one protocol."""
+"""Genetic search for the architecture of a network, under one protocol."""
 
 from abradem.learning.baselines.ga_ann import fit_networks, settings
 from abradem.learning.baselines.genetic import terminal_progress

@@ -1,4 +1,4 @@
-"""The data set, one row per case that ended well."""
+"""The data set, one row for each successful case."""
 
 from abradem.dataset.join import check, check_failures, join
 from abradem.running.job_log import log_to

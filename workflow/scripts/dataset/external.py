@@ -1,4 +1,4 @@
-"""A table from elsewhere as the data set."""
+"""The data set from an external table."""
 
 from abradem.dataset.external import read_external
 from abradem.running.job_log import log_to

@@ -1,4 +1,4 @@
-"""The cases that are no row of the data set, and why."""
+"""The cases that are not in the data set, with the reasons."""
 
 from abradem.dataset.join import join
 from abradem.running.job_log import log_to

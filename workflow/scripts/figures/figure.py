@@ -11,7 +11,7 @@ log_to(snakemake.log[0])
 
 module, function = snakemake.params.draw.split(":")
 draw = getattr(import_module(f"abradem.figures.{module}"), function)
-# Results that are no input of the study are named by a parameter.
+# Results that are not inputs of the rule are given by a parameter.
 shown = {**dict(snakemake.input.items()), **snakemake.params.get("shown", {})}
 figure = draw(**read_results(shown.items()), **snakemake.params.options)
 style.save(

@@ -1,4 +1,4 @@
-"""The scores of all models in one table, and side by side."""
+"""The scores and predictions of all models, and their comparison."""
 
 from abradem.learning.comparison import beside_paper, compare, join_tables
 from abradem.learning.model_files import write_stage

@@ -1,4 +1,4 @@
-"""Intervals of the Gaussian process, calibrated and tested on rows held out."""
+"""Prediction intervals of the Gaussian process, calibrated and tested on held-out rows."""
 
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.intervals import calibrate

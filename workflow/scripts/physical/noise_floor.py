@@ -1,4 +1,4 @@
-"""The best R2 that any model could reach."""
+"""The largest R2 that any model could reach."""
 
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.noise_floor import noise_floor

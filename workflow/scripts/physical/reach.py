@@ -1,4 +1,4 @@
-"""The models with fewer cases, beyond their ranges, and on every target."""
+"""Learning curves, extrapolation, and scores for all wear rates."""
 
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.models import BOOSTING, POWER_LAW, PROCESS, all_targets, makers

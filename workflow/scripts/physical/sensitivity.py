@@ -1,4 +1,4 @@
-"""Which quantities decide the wear."""
+"""Sensitivity of the wear to the sampled quantities."""
 
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.gaussian_process import GaussianProcess

@@ -1,4 +1,4 @@
-"""Engine and surrogate timed one after the other."""
+"""Computing times of engine and surrogate, measured in turn."""
 
 from abradem.learning.physical.speed_up import time_both
 from abradem.running.job_log import log_to

@@ -1,4 +1,4 @@
-"""The surrogate behind `abradem predict`, and a score of its own."""
+"""The surrogate for `abradem predict`, and its scores."""
 
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.distil import Settings, evaluate_surrogate, surrogate_of

@@ -1,4 +1,4 @@
-"""The folder for an archive."""
+"""The published folder with data, data card, descriptors, figures and models."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What the models say, in sentences."""
+"""Findings of the models as text."""
 
 from abradem.report.findings import findings, to_html
 from abradem.running.job_log import log_to

@@ -1,4 +1,4 @@
-"""The film of plates side by side, and its last picture."""
+"""The film of plates side by side, and its last frame."""
 
 import matplotlib.image
 

@@ -1,4 +1,4 @@
-"""The numbers that the report's overview begins with."""
+"""Headline numbers for the overview of the report."""
 
 from abradem.report.summary import study_summary
 from abradem.running.job_log import log_to

@@ -1,4 +1,4 @@
-"""A table as text, for reading."""
+"""A table as text, for the report."""
 
 from abradem.running.job_log import log_to
 from abradem.store.files import write_csv

@@ -1,4 +1,4 @@
-"""The example text with the tables, numbers and figures of a study, as PDF."""
+"""The example paper with the tables, numbers and figures of a study."""
 
 from abradem.report.typeset import typeset
 from abradem.running.job_log import log_to

@@ -1,4 +1,4 @@
-"""The resolved configuration, and what else identifies the run."""
+"""The resolved configuration, versions, seed and code hashes of the run."""
 
 from abradem.running.job_log import log_to
 from abradem.running.provenance import write_provenance

@@ -1,4 +1,4 @@
-"""The rules of the workflow and what each takes from which."""
+"""The rules of the workflow and their dependencies."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Snapshots of a case of the pictures."""
+"""Snapshots of a short simulation for pictures."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""One part of the verification study: its module computes the tables."""
+"""One part of the verification study, computed by the module of the part."""
 
 from importlib import import_module
 

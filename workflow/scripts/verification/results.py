@@ -1,4 +1,4 @@
-"""All checks of the verification study: one table, one page, and the count of those that hold."""
+"""All checks of the verification study: table, results page, and number of checks that hold."""
 
 import pandas as pd
 

@@ -1,4 +1,4 @@
-"""Wear depth against time for angles of plate and factory."""
+"""Wear depth against time for several plate angles and factory angles."""
 
 from abradem.dem.model import Setup
 from abradem.running.job_log import log_to

@@ -1,18 +1,20 @@
-"""Networks whose architecture a genetic search finds, under either protocol.
+"""Networks with an architecture found by genetic search (GA-ANN), under both protocols.
 
 ``as_published``
-    70/30 split with seed 42, the study's 12 features standardised over all rows, the wear
-    unscaled in the search; fitness is R2 on the **test rows**. The found net is then trained
-    again, longer and on standardised wear, several times, and the best look at the test rows is
-    the score: how a figure like the printed one comes about. The other looks stand beside it.
+    70/30 split with seed 42. The paper's 12 features are standardised over all rows; the wear is
+    not scaled during the search. The fitness is R2 on the **test rows**. The network found is then
+    trained several more times, longer and on standardised wear, and the best result on the test
+    rows is the score. This reproduces how a score like the printed one arises. The scores of the
+    other trainings are stored as well.
 ``leakage_free``
-    The training rows of a split are parted into rows to train on and validation rows; features
-    are chosen, scalers fitted on the former alone, fitness is R2 on the latter. The found net is
-    trained again on all training rows, and this net, fixed beforehand, meets the test rows once.
-    More trainings of the same net from other start weights tell how much of a score is chance.
-    More than one search, each inside the training rows of another split, is the nested form.
+    The training rows of a split are divided into fitting and validation rows. Features are chosen
+    and scalers fitted on the fitting rows only; the fitness is R2 on the validation rows. The
+    network found is trained again on all training rows, and this single network is scored on the
+    test rows. Further trainings of the same architecture from other initial weights show how much
+    of a score is chance. With more than one search, each inside the training rows of another
+    split, the evaluation is nested.
 
-The study's own net, 449-24-500-385, is trained alike without a search.
+The paper's own network, 449-24-500-385, is trained in the same way without a search.
 """
 
 from __future__ import annotations
@@ -47,14 +49,23 @@ from abradem.quantities import FEATURE_NAMES, quantity
 
 MODEL = "ga_ann"
 PAPER_NET = "paper_net"
-UNSCALED = Scaler(np.float64(0.0), np.float64(1.0))
+UNSCALED = Scaler(np.array(0.0), np.array(1.0))
+"""Scaler that leaves values as they are."""
 
 
 class Split(NamedTuple):
-    """Rows and scaling of one search and what follows it.
+    """Rows, features and scalers of one search and of the final training.
 
-    ``fit`` are trained on in the search, ``look`` give the fitness; ``train`` are trained on in
-    the end and ``test`` score. ``columns`` are the features used.
+    Attributes
+    ----------
+    fit, look : ndarray of int
+        Rows for training and for the fitness in the search.
+    train, test : ndarray of int
+        Rows for the final training and for the score.
+    columns : ndarray of int
+        Features used.
+    search_scalers, final_scalers : pair of Scaler
+        Scalers of features and target in the search and in the final training.
     """
 
     fit: np.ndarray
@@ -68,7 +79,18 @@ class Split(NamedTuple):
 
 @dataclass(frozen=True)
 class NetworkResult:
-    """What `fit_networks` gives: history of the searches, results, model, summary."""
+    """Result of `fit_networks`.
+
+    Attributes
+    ----------
+    history : pandas.DataFrame
+        One row per individual of every search, see `abradem.learning.baselines.genetic.Search`.
+    results : Results
+        Scores and predictions.
+    model : tuple
+        Description and arrays of the network.
+    summary : dict
+    """
 
     history: pd.DataFrame
     results: Results
@@ -77,7 +99,7 @@ class NetworkResult:
 
 
 def settings(options: Mapping) -> dict:
-    """Arguments of `fit_networks` from the section of the configuration."""
+    """Arguments of `fit_networks` from the section ``ga_ann`` of the configuration."""
     options = dict(options)
     rate = options.pop("learning_rate")
     return {
@@ -98,7 +120,21 @@ def leakage_free_split(
     lasso_alpha: float = 0.1,
     ridge_alpha: float = 1.0,
 ) -> Split:
-    """Part the training rows, choose features and fit scalers without the other rows."""
+    """Divide training rows into fitting and validation rows; choose features and fit scalers.
+
+    Parameters
+    ----------
+    table : Table
+    train, test : ndarray of int
+        Rows of the split.
+    validation_share : float
+        Share of the training rows used for validation.
+    count : int
+        Number of features chosen.
+    seed : list of int
+    lasso_alpha, ridge_alpha : float
+        Penalties for the choice of features, see `abradem.learning.baselines.selection`.
+    """
     x, y = table.features, table.target
     shuffled = np.random.default_rng(seed).permutation(train)
     checked = held_out(len(train), validation_share)
@@ -116,7 +152,7 @@ def leakage_free_split(
 
 
 def published_network_split(table: Table) -> Split:
-    """Rows, features and scalers as published."""
+    """Rows, features and scalers of the published protocol."""
     train, test = published_split(len(table.target), PUBLISHED_NETWORK_SHARE)
     columns = np.array([FEATURE_NAMES.index(name) for name in SELECTED])
     of_x = standard_scaler(table.features[:, columns])
@@ -153,35 +189,41 @@ def fit_networks(
     code: str = "",
     progress: Callable[[str], None] | None = None,
 ) -> NetworkResult:
-    """Search, train the found net again, score it.
+    """Search for an architecture, train the network found, and score it.
 
     Parameters
     ----------
     table : Table
     protocol : {"as_published", "leakage_free"}
     options, training : Options, Training
-        Of the search.
+        Settings of the search and of the training in it.
     final : Training
-        Of the found net.
+        Settings of the final training.
     features : int
-        Number of features that leakage-free searches choose.
+        Number of features chosen (leakage-free).
     lasso_alpha, ridge_alpha : float
-        Penalties behind that choice, see `abradem.learning.baselines.selection`.
+        Penalties for this choice, see `abradem.learning.baselines.selection`.
     validation_share : float
-        Share of the training rows that give the fitness (leakage-free).
+        Share of the training rows used for the fitness (leakage-free).
     retrainings : int
-        Trainings of the found net from other start weights, the first included.
+        Number of final trainings from different initial weights.
     searches : int
-        Leakage-free searches, each inside another of the repeated splits.
+        Number of searches (leakage-free), each inside another of the repeated splits.
     test_share, confidence, seed
         Of the repeated splits.
     cores : int
+        Networks trained at the same time; the result does not depend on it.
     device : {"cpu", "cuda"}
     folder : path, optional
-        Where an interrupted search leaves its fitnesses; removed at the end.
+        Keeps the fitness values, from which an interrupted search resumes; removed at the end.
     code : str
-        Hash of the code, without which those of another version would be taken.
+        Hash of the code; fitness values of another version of the code are not used.
     progress : callable, optional
+        Called with one line of text after each generation.
+
+    Returns
+    -------
+    NetworkResult
     """
     results = Results(table)
     if protocol == AS_PUBLISHED:
@@ -280,13 +322,13 @@ def _problem(table: Table, split: Split) -> SearchProblem:
 
 
 def _seeds(first: int, count: int) -> list[int]:
-    """Seeds of the trainings of one net: its own, then others."""
+    """Seeds of the trainings of one network: its own seed first, then derived ones."""
     others = np.random.default_rng([first, 2]).integers(2**31, size=count)
     return [first, *(int(seed) for seed in others[: count - 1])]
 
 
 def _looks(table: Table, split: Split, layers: Layers, seeds, training, cores, device) -> list:
-    """The net trained on the training rows from each seed, with its scalers."""
+    """Train the network on the training rows once for each seed; returns (network, scalers)."""
     of_x, of_y = split.final_scalers
     x = of_x.forward(table.features[np.ix_(split.train, split.columns)])
     y = of_y.forward(table.target[split.train])
@@ -300,11 +342,11 @@ def _predict(table: Table, split: Split, look, rows: np.ndarray) -> np.ndarray:
 
 
 def _score(results: Results, model: str, protocol: str, repeat: int, split: Split, looks, search):
-    """Score the net that counts and all looks; returns the one that counts."""
+    """Score the network that counts and all retrainings; returns the network that counts."""
     table = results.table
     counted = looks[0]
     if protocol == AS_PUBLISHED:
-        # As published, the test rows choose, the net as the search left it included.
+        # As published, the best network on the test rows counts, that of the search included.
         candidates = looks + ([(search.network, split.search_scalers)] if search else [])
         errors = [
             np.mean((_predict(table, split, look, split.test) - table.target[split.test]) ** 2)
@@ -335,7 +377,7 @@ def _lineage(search: Search) -> list[dict]:
 
 
 def _generations(search: Search) -> list[dict]:
-    """Fitness and size of the networks of each generation in few numbers."""
+    """Summary of the fitness and size of the networks in each generation."""
     return [
         {
             "generation": generation,

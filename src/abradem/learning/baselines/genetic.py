@@ -1,20 +1,21 @@
 """Genetic search for the architecture of a network.
 
 A chromosome is the list of hidden layers (their number and their neurons) and the seed of the
-start weights, or instead of fresh weights those that a parent was left with. Its fitness is R2
-on the rows that the caller names: validation rows, or, as published, the test rows.
+initial weights, or the trained weights of a parent instead. Its fitness is R2 on rows that the
+caller chooses: validation rows or, as published, the test rows.
 
-One generation to the next: the best stay (elitism); the places left are filled by pairs of
-parents chosen by roulette (chance proportional to the fitness above the worst, where R2 below -1
-counts as -1, else one hopeless network would make all others alike) or tournament (best of a few
-drawn), two-point crossover between lists of different lengths, and mutation of
-the neurons of one layer. Every choice of a generation comes from a generator of (seed,
-generation), so a search can be replayed: with the fitnesses found so far in a file, it resumes
-by repeating its decisions without the training.
+The best individuals survive to the next generation (elitism). The other places are filled with
+children of pairs of parents. Parents are chosen by roulette (probability proportional to the
+fitness above the worst; R2 below -1 counts as -1, as a single very bad network would otherwise
+make all others equally likely) or by tournament (best of a few drawn at random). Children come
+from two-point crossover between lists of different lengths and from mutation of the number of
+neurons in one layer. All random choices of a generation come from a random number generator
+seeded with (seed, generation), so a search can be replayed: an interrupted search reads the
+fitness values found so far from a file, and resumes by repeating its choices without training.
 
-The networks of a generation are trained one per core, one thread each, the largest first; one
-that was met before is not trained again. All train to the end: to stop those that fall behind
-would make a score depend on the others and on the order of training.
+The networks of a generation are trained one per core, in one thread each, the largest first. A
+network that was trained before is not trained again. All networks are trained to the end: early
+stopping of weak ones would make a score depend on the other networks and on the order of training.
 """
 
 from __future__ import annotations
@@ -51,12 +52,12 @@ from abradem.store.files import read_arrays, replacing, write_arrays
 
 SELECTIONS = ("tournament", "roulette")
 FAILED = -1e9
-"""Fitness of a network whose weights ran away."""
+"""Fitness of a network whose training diverged."""
 WEIGHTS = ("seed", "inherited")
 
 
 class Options(NamedTuple):
-    """Of the search; the defaults are the study's, where it states them."""
+    """Options of the search; the defaults are those of the paper where it gives them."""
 
     population: int = 10
     generations: int = 25
@@ -74,7 +75,15 @@ class Options(NamedTuple):
 
 
 class SearchProblem(NamedTuple):
-    """Scaled rows to train on (x (n, f), y (n,)) and rows that the fitness is read from."""
+    """Scaled training rows and scaled rows for the fitness.
+
+    Attributes
+    ----------
+    x, fitness_x : ndarray, shape (n, p)
+        Features.
+    y, fitness_y : ndarray, shape (n,)
+        Target.
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -83,7 +92,7 @@ class SearchProblem(NamedTuple):
 
 
 class Chromosome(NamedTuple):
-    """Hidden layers, seed of start weights, key of the parent whose weights it inherits."""
+    """Hidden layers, seed of the initial weights, key of the parent that passes on its weights."""
 
     layers: Layers
     seed: int
@@ -91,13 +100,13 @@ class Chromosome(NamedTuple):
 
     @property
     def key(self) -> str:
-        """Name of this chromosome; equal chromosomes have equal fitness."""
+        """Hash of this chromosome; equal chromosomes have equal fitness."""
         text = json.dumps([list(self.layers), self.seed, self.heritage])
         return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
 class Individual(NamedTuple):
-    """A chromosome with its descent: numbers of the parents in the generation before, or -1."""
+    """A chromosome with the numbers of its parents in the previous generation (-1: none)."""
 
     chromosome: Chromosome
     parents: tuple[int, int] = (-1, -1)
@@ -105,12 +114,23 @@ class Individual(NamedTuple):
 
 
 class Search(NamedTuple):
-    """What a search found.
+    """Result of a search.
 
-    ``history`` has one row per individual: generation, individual, layers, parameters,
-    weights_seed, parent_a, parent_b, origin, fitness. ``lineage`` is the descent of the
-    best: its generation and number, then those of its first parents back to the start.
-    ``trained`` counts the different networks.
+    Attributes
+    ----------
+    best : Chromosome
+    fitness : float
+        Fitness of the best chromosome.
+    network : Network
+        The best network as trained in the search.
+    history : pandas.DataFrame
+        One row per individual: generation, individual, layers, parameters, weights_seed,
+        parent_a, parent_b, origin, fitness.
+    lineage : list of tuple of int
+        Generation and number of the best individual, then those of its first parents back to the
+        first generation.
+    trained : int
+        Number of different networks.
     """
 
     best: Chromosome
@@ -122,14 +142,14 @@ class Search(NamedTuple):
 
 
 class Memory:
-    """Fitnesses found so far, in a folder that an interrupted search resumes from.
+    """Fitness values found so far, stored in a folder from which a search can resume.
 
     Parameters
     ----------
     folder : path, optional
-        Nothing is kept on disk without one.
+        Without a folder nothing is stored on disk.
     fingerprint : str
-        Of everything that a fitness depends on; what another search left is thrown away.
+        Hash of everything that a fitness depends on; values with another hash are discarded.
     """
 
     def __init__(self, folder: str | Path | None = None, fingerprint: str = ""):
@@ -142,13 +162,13 @@ class Memory:
         self.fitness = self._read(fingerprint)
         if not self.fitness:
             shutil.rmtree(self.folder, ignore_errors=True)
-        # Written again, as the last line may have been cut short.
+        # Rewritten, as the last line may be incomplete.
         lines = [{"fingerprint": fingerprint}, *([k, v] for k, v in self.fitness.items())]
         with replacing(self._file) as sink:
             sink.write("".join(json.dumps(line) + "\n" for line in lines).encode())
 
     def _read(self, fingerprint: str) -> dict[str, float]:
-        """What an interrupted search of the same fingerprint left."""
+        """Fitness values of an interrupted search with the same fingerprint."""
         found: dict[str, float] = {}
         with contextlib.suppress(FileNotFoundError, ValueError, TypeError, KeyError):
             with open(self._file, encoding="utf-8") as file:
@@ -159,7 +179,7 @@ class Memory:
         return found
 
     def add(self, key: str, fitness: float, network: Network | None) -> None:
-        """Keep a fitness and, where children may inherit them, the weights."""
+        """Store a fitness and, if children may inherit them, the weights."""
         if network is not None:
             self._networks[key] = network
             if self.folder is not None:
@@ -169,10 +189,10 @@ class Memory:
             self._write([key, fitness])
 
     def network(self, key: str) -> Network | None:
-        """Weights kept under a key, None for the empty one."""
+        """Stored network of a key; None for the empty key."""
         if not key:
             return None
-        if key not in self._networks:
+        if key not in self._networks and self.folder is not None:
             self._networks[key] = network_of(read_arrays(self.folder / f"{key}.safetensors"))
         return self._networks[key]
 
@@ -191,7 +211,7 @@ def search(
     memory: Memory | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Search:
-    """Search for the chromosome of the best fitness.
+    """Search for the chromosome with the best fitness.
 
     Parameters
     ----------
@@ -202,10 +222,11 @@ def search(
     cores : int
         Networks trained at the same time; the result does not depend on it.
     device : {"cpu", "cuda"}
-        On a graphics card networks of equal depth are trained as one batch.
+        On a GPU, networks of equal depth are trained as one batch.
     memory : Memory, optional
+        Fitness values of an interrupted search.
     progress : callable, optional
-        Is given one line after each generation.
+        Called with one line of text after each generation.
 
     Returns
     -------
@@ -216,7 +237,7 @@ def search(
     began = time.monotonic()
     rows: list[dict] = []
     generations: list[list[Individual]] = []
-    best, best_fitness, place = None, -np.inf, (0, 0)
+    best_fitness, place = -np.inf, (0, 0)
     with _trainer(problem, training, min(cores, options.population), device) as trainer:
         population = _first(options, _generator(seed, 0))
         for generation in range(options.generations):
@@ -226,8 +247,8 @@ def search(
             generations.append(population)
             top = int(np.argmax(fitness))
             if fitness[top] > best_fitness:
-                best, best_fitness = population[top].chromosome, float(fitness[top])
-                place = (generation, top)
+                best_fitness, place = float(fitness[top]), (generation, top)
+            best = generations[place[0]][place[1]].chromosome
             if generation == 0:
                 began = time.monotonic()
             if progress:
@@ -256,7 +277,7 @@ def train_again(
     cores: int = 1,
     device: str = "cpu",
 ) -> list[Network]:
-    """Train one architecture from several start weights, as `search` trains.
+    """Train one architecture from several initial weights, in the same way as `search`.
 
     Parameters
     ----------
@@ -279,7 +300,7 @@ def train_again(
 
 
 def check_options(options: Options) -> None:
-    """Raise ValueError, naming the option, for options that cannot be."""
+    """Raise ValueError, naming the option, if an option is invalid."""
     for name, known in (("selection", SELECTIONS), ("weights", WEIGHTS)):
         value = getattr(options, name)
         if value not in known:
@@ -297,10 +318,10 @@ _TRIES = 100
 def crossover(
     first: Layers, second: Layers, options: Options, rng: np.random.Generator
 ) -> tuple[Layers, Layers]:
-    """Exchange the layers between two cuts of each parent, where both children stay possible.
+    """Two-point crossover: exchange the layers between two cuts of each parent.
 
-    The two segments may differ in length, so depth is inherited too; cuts that would leave a
-    child too shallow or too deep are drawn again.
+    The two segments may differ in length, so the depth is inherited too. Cuts that would make a
+    child too shallow or too deep are drawn again; after many such draws the parents are returned.
     """
     for _ in range(_TRIES):
         a, b = np.sort(rng.integers(0, len(first) + 1, 2))
@@ -312,7 +333,7 @@ def crossover(
 
 
 def mutate(layers: Layers, options: Options, rng: np.random.Generator) -> Layers:
-    """Change the neurons of one layer by up to the mutation's size, within the limits."""
+    """Change the neurons of one layer by a random factor up to ``mutation_size``, within limits."""
     place = int(rng.integers(len(layers)))
     factor = 1.0 + rng.uniform(-options.mutation_size, options.mutation_size)
     neurons = int(np.clip(round(layers[place] * factor), options.min_neurons, options.max_neurons))
@@ -320,7 +341,7 @@ def mutate(layers: Layers, options: Options, rng: np.random.Generator) -> Layers
 
 
 def pick(fitness: np.ndarray, options: Options, rng: np.random.Generator) -> int:
-    """Number of a parent, by tournament or roulette."""
+    """Choose the number of a parent by tournament or roulette."""
     if options.selection == "tournament":
         size = min(options.tournament_size, len(fitness))
         drawn = rng.choice(len(fitness), size, replace=False)
@@ -364,7 +385,7 @@ def _next(
         layers = [parent.layers for parent in parents]
         crossed = rng.random() < options.crossover
         if crossed:
-            layers = list(crossover(*layers, options, rng))
+            layers = list(crossover(layers[0], layers[1], options, rng))
         for parent, of_child, own, other in zip(parents, layers, (a, b), (b, a), strict=True):
             origin = ["crossover"] if crossed else []
             seed, heritage = parent.seed, parent.heritage
@@ -388,14 +409,14 @@ def _evaluate(
     memory: Memory,
     trainer: _Trainer,
 ) -> None:
-    """Train what was not met before."""
+    """Train the networks that were not trained before."""
     inherit = options.weights == "inherited"
     new = {
         one.chromosome.key: one.chromosome
         for one in population
         if one.chromosome.key not in memory.fitness
     }
-    # The largest first, so that no core is left with a long one at the end.
+    # Largest networks first, so that the cores finish at about the same time.
     chromosomes = sorted(
         new.values(), key=lambda c: (-parameters_of(problem.x.shape[1], c.layers), c.key)
     )
@@ -407,13 +428,13 @@ def _evaluate(
 
 
 class _Trainer:
-    """Trains chromosomes in this process."""
+    """Trains networks in this process."""
 
     def __init__(self, problem: SearchProblem, training: Training, device: str):
         self.problem, self.training, self.device = problem, training, device
 
     def networks(self, chromosomes, heritages) -> list[Network]:
-        """Trained networks, those of equal depth as one batch on a graphics card."""
+        """Train networks; on a GPU those of equal depth as one batch."""
         inputs = self.problem.x.shape[1]
         starts = [
             start(inputs, one.layers, one.seed, heritage)
@@ -451,7 +472,7 @@ class _Trainer:
 
 
 class _Pool(_Trainer):
-    """Trains chromosomes one per core, in processes that share the rows of this one."""
+    """Trains networks one per core, in forked processes that share the rows."""
 
     def __init__(self, problem: SearchProblem, training: Training, pool: ProcessPoolExecutor):
         super().__init__(problem, training, "cpu")
@@ -466,8 +487,11 @@ _HERE: dict[str, _Trainer] = {}
 
 
 def _begin(trainer: _Trainer) -> None:
+    parent = multiprocessing.parent_process()
+
     def end_with_parent():
-        multiprocessing.parent_process().join()
+        if parent is not None:
+            parent.join()
         os._exit(1)
 
     threading.Thread(target=end_with_parent, daemon=True).start()
@@ -489,7 +513,7 @@ def _trainer(
         raise ValueError("device: cuda: torch finds no graphics card; use cpu")
     here = _Trainer(problem, training, device)
     with one_thread():
-        # Forked processes share the rows and need no start-up; elsewhere there is one process.
+        # Forked processes share the rows and start quickly; without fork there is one process.
         if device == "cpu" and cores > 1 and "fork" in multiprocessing.get_all_start_methods():
             context = multiprocessing.get_context("fork")
             with ProcessPoolExecutor(cores, context, _begin, (here,)) as pool:
@@ -527,7 +551,7 @@ def _lineage(generations: list[list[Individual]], place: tuple[int, int]) -> lis
 
 
 def _line(generation, generations, fitness, best, began) -> str:
-    """Progress in words; the first generation, which also loads libraries, times nothing."""
+    """Line of progress; the time left excludes the first generation, which loads libraries."""
     done = generation + 1
     line = f"generation {done} of {generations}, best R2 {fitness:.3f} "
     line += f"({'-'.join(map(str, best.layers))})"
@@ -546,7 +570,7 @@ def _draw_seed(rng: np.random.Generator) -> int:
 
 
 def fingerprint(problem: SearchProblem, *settings) -> str:
-    """Hash of the rows and of all settings that a fitness depends on."""
+    """Hash of the rows and of all settings on which a fitness depends."""
     digest = hashlib.sha256(repr(settings).encode())
     for array in problem:
         digest.update(np.ascontiguousarray(array).tobytes())
@@ -554,9 +578,16 @@ def fingerprint(problem: SearchProblem, *settings) -> str:
 
 
 def terminal_progress(words: str, interval: float = 5.0) -> Callable[[str], None]:
-    """A progress function that writes to the log, and now and then to the terminal.
+    """Progress function that writes every line to the log, and some to the terminal.
 
-    Standard error of a job goes to its log; the stream it began with is the terminal.
+    Standard error of a job is redirected to its log; the original stream is the terminal.
+
+    Parameters
+    ----------
+    words : str
+        Text before each line.
+    interval : float
+        Smallest time between lines on the terminal, s.
     """
     last = [-np.inf]
 
@@ -570,5 +601,5 @@ def terminal_progress(words: str, interval: float = 5.0) -> Callable[[str], None
 
 
 def usable_cores() -> int:
-    """Cores that this process may use."""
+    """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

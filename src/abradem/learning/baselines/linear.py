@@ -1,27 +1,28 @@
-"""Ordinary least squares on the 20 features, the model whose equation the study prints.
+"""Ordinary least squares on the 20 features, the model whose equation the paper prints.
 
-Features and target are standardised (mean and standard deviation of the rows fitted), so the
-coefficients compare: standard deviations of wear per standard deviation of a feature, the
-others held. Only 14 of the 20 features vary independently (E, E*, G*, xi and eta are functions
-of others), hence
+Features and target are standardised with the mean and standard deviation of the fitted rows. The
+coefficients are therefore comparable: change of the wear in standard deviations per standard
+deviation of a feature, with the other features fixed. Only 14 of the 20 features vary
+independently (E, E*, G*, xi and eta are functions of others). Therefore
 
-* the fit is the minimal-norm least-squares solution by singular values; rank and condition
-  number are reported, and a coefficient that the rows do not determine says so;
-* the intervals are t-intervals with the HC3 sandwich (MacKinnon and White 1985, J. Econometrics
-  29:305), because the scatter of wear grows with wear and the textbook formula, which assumes
-  it constant, would be wrong. With A = pinv(X), residuals r and leverages h the covariance of
-  the coefficients is A diag(r^2 / (1 - h)^2) A'. Nearly dependent features make them wide.
+* the fit is the minimum-norm least-squares solution by singular value decomposition; rank and
+  condition number are reported, and coefficients not determined by the rows are marked;
+* the intervals are t-intervals with HC3 standard errors (MacKinnon and White 1985,
+  J. Econometrics 29:305), because the variance of the residuals grows with the wear, and the
+  textbook formula assumes that it is constant. With A = pinv(X), residuals r and leverages h, the
+  covariance of the coefficients is A diag(r^2 / (1 - h)^2) A'. Intervals of nearly dependent
+  features are wide.
 
-The equation is fitted on all rows and describes; how well such a model predicts is what the
-held-out rows of repeated splits say, where scaler and fit see training rows only. Beside it
-stands the fit as published (one split, scaler of all rows), whose coefficients are compared with
+The equation is fitted to all rows and is descriptive. The predictive performance is measured on
+the held-out rows of repeated splits, where scaler and fit see training rows only. The published
+fit (one split, scaler of all rows) is repeated as well, and its coefficients are compared with
 the printed ones.
 
-Two diagnostics say what to think of the coefficients. The variance inflation factor of feature
-j is 1 / (1 - R_j^2), R_j^2 that of the feature on the others: how much dependence widens the
-interval. The test of Breusch and Pagan in the form of Koenker (1981, J. Econometrics 17:107),
-n R^2 of the squared residuals on the features against chi-squared, asks whether the scatter
-depends on the features.
+Two diagnostics are reported. The variance inflation factor of feature j is 1 / (1 - R_j^2), where
+R_j^2 is that of a regression of the feature on the others; it measures how much dependence widens
+the interval. The Breusch-Pagan test in the form of Koenker (1981, J. Econometrics 17:107) compares
+n R^2 of a regression of the squared residuals on the features with the chi-squared distribution,
+and tests whether the variance of the residuals depends on the features.
 """
 
 from __future__ import annotations
@@ -61,10 +62,20 @@ SINGULAR_CUTOFF = 1e-10
 
 
 class LeastSquares(NamedTuple):
-    """Least squares in standardised variables; arrays run over the features.
+    """Least-squares fit in standardised variables.
 
-    The coefficient of a constant feature is 0 and not ``identified``. ``leverage`` runs over the
-    rows fitted.
+    Attributes
+    ----------
+    of_features, of_target : Scaler
+    coefficients, standard_error : ndarray, shape (p,)
+        The coefficient of a constant feature is 0.
+    identified : ndarray of bool, shape (p,)
+        Whether the rows determine the coefficient; False for constant features.
+    leverage : ndarray, shape (n,)
+        Of the fitted rows.
+    rank : int
+    condition_number : float
+    degrees_of_freedom : int
     """
 
     of_features: Scaler
@@ -80,7 +91,7 @@ class LeastSquares(NamedTuple):
 
 @dataclass(frozen=True)
 class LinearResult:
-    """What `fit_linear` gives.
+    """Result of `fit_linear`.
 
     Attributes
     ----------
@@ -90,18 +101,18 @@ class LinearResult:
     equation : str
         The fitted equation in standardised variables.
     residuals : pandas.DataFrame
-        protocol, case_id, fitted, residual (both in standard deviations of the target),
-        leverage, studentised (residual over its own standard error, which shrinks with the
-        leverage), normal_quantile (that of a normal distribution at its rank); all rows.
+        protocol, case_id, fitted, residual (both in standard deviations of the target), leverage,
+        studentised (residual divided by its standard error), normal_quantile (quantile of the
+        normal distribution for the rank of the studentised residual); all rows.
     published : pandas.DataFrame
-        Printed coefficients beside the refit, see `abradem.learning.published.compare_equation`.
+        Printed and refitted coefficients, see `abradem.learning.published.compare_equation`.
     predictions : pandas.DataFrame
         model, protocol, case_id, repeat, split, actual, predicted (mm/s) of held-out rows.
     scores : pandas.DataFrame
-        Tidy scores: splits ``test`` and ``train`` of every repeat, ``fit`` of all rows.
+        Tidy scores: splits ``test`` and ``train`` of every repeat, ``fit`` on all rows.
     summary : dict
-        Everything to store and to use the model: names, units, scaler, coefficients, training
-        ranges, rank, held-out scores, and in words what could not be computed (``notes``).
+        Everything needed to use the model: names, units, scalers, coefficients, training ranges,
+        rank, held-out scores; and ``notes`` on what could not be computed.
     """
 
     coefficients: pd.DataFrame
@@ -114,7 +125,7 @@ class LinearResult:
 
 
 def least_squares(features: np.ndarray, target: np.ndarray) -> LeastSquares:
-    """Minimal-norm least squares with intercept in standardised variables, HC3 errors.
+    """Minimum-norm least squares in standardised variables, with HC3 standard errors.
 
     Parameters
     ----------
@@ -123,9 +134,9 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> LeastSquares:
 
     Returns
     -------
-    Fit
-        ``standard_error`` is nan where a coefficient is not identified, and everywhere if no
-        residual degree of freedom is left or a row is fitted whatever its target.
+    LeastSquares
+        ``standard_error`` is nan for coefficients that are not identified, and for all if no
+        residual degree of freedom is left or a row has leverage 1.
     """
     n = len(target)
     of_features, of_target = standard_scaler(features), standard_scaler(target)
@@ -161,20 +172,21 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> LeastSquares:
 
 
 def predict_linear(fit: LeastSquares, features: np.ndarray) -> np.ndarray:
-    """Target of rows of features, in its own unit."""
+    """Predicted target (n,), in its own unit, for features (n, p)."""
     return fit.of_target.back(fit.of_features.forward(features) @ fit.coefficients)
 
 
 def ordinary(x: np.ndarray, y: np.ndarray) -> Predict:
-    """Least squares as a model for `abradem.learning.evaluation`."""
+    """Ordinary least squares as a model for `abradem.learning.evaluation`."""
     fit = least_squares(x, y)
     return lambda rows: predict_linear(fit, rows)
 
 
 def variance_inflation(features: np.ndarray) -> np.ndarray:
-    """Variance inflation factors, shape (p,); inf where the others determine a feature.
+    """Variance inflation factors of features (n, p), shape (p,).
 
-    nan for a constant feature, and throughout without more rows than features.
+    A factor is inf if the other features determine the feature, and nan for a constant feature.
+    All are nan if there are too few rows.
     """
     varies = np.flatnonzero(~constant(features))
     found = np.full(features.shape[1], np.nan)
@@ -190,12 +202,17 @@ def variance_inflation(features: np.ndarray) -> np.ndarray:
 
 
 def breusch_pagan(features: np.ndarray, residuals: np.ndarray) -> dict:
-    """Whether the squared residuals depend on the features.
+    """Breusch-Pagan test in the form of Koenker: do squared residuals depend on the features?
+
+    Parameters
+    ----------
+    features : ndarray, shape (n, p)
+    residuals : ndarray, shape (n,)
 
     Returns
     -------
     dict
-        ``statistic`` (n R^2), ``degrees_of_freedom``, ``p_value``; nan without enough rows.
+        ``statistic`` (n R^2), ``degrees_of_freedom``, ``p_value``; nan if there are too few rows.
     """
     squared = residuals**2
     fit = least_squares(features, squared)
@@ -218,7 +235,7 @@ def fit_linear(
     seed: int = 0,
     table: str = "dataset",
 ) -> LinearResult:
-    """Fit the linear equation and score it on held-out rows, both protocols.
+    """Fit the linear equation and score it on held-out rows under both protocols.
 
     Parameters
     ----------
@@ -231,11 +248,12 @@ def fit_linear(
     repeats : int
         Number of random splits (leakage-free).
     confidence : float
-        Of the coefficients' intervals, and the central share of repeats that scores state.
+        Level of the intervals of the coefficients, and central share of the splits that the
+        intervals of the scores contain.
     seed : int
-        Of the splits.
+        Seed of the splits.
     table : str
-        Name of the table in the scores.
+        Name of the data set in the scores.
 
     Returns
     -------
@@ -293,7 +311,7 @@ def fit_linear(
 
 
 def _published_equation(table: Table) -> tuple[float, np.ndarray]:
-    """Intercept and coefficients of the published split in variables scaled over all rows."""
+    """Intercept and coefficients of the published fit, in variables scaled over all rows."""
     of_x, of_y = scalers_of_all_rows(table)
     train, _ = published_split(len(table.target), PUBLISHED_SHARE)
     fit = least_squares(of_x.forward(table.features[train]), of_y.forward(table.target[train]))
@@ -349,7 +367,7 @@ def _coefficients(fit: LeastSquares, confidence: float) -> pd.DataFrame:
 
 
 def _equation(coefficients: pd.DataFrame) -> str:
-    """The equation in standardised variables, which has no intercept on the rows it fits."""
+    """The equation in standardised variables; its intercept is 0 on the fitted rows."""
     terms = [
         f"{'-' if value < 0 else '+'} {abs(value):.3f} {symbol}"
         for symbol, value in zip(coefficients["symbol"], coefficients["coefficient"], strict=True)
@@ -360,7 +378,7 @@ def _equation(coefficients: pd.DataFrame) -> str:
 def _notes(
     fit: LeastSquares, fixed: np.ndarray, rows: int, train: int, test: int, scores: pd.DataFrame
 ) -> list[str]:
-    """What the rows do not allow, one line each."""
+    """Notes on what the rows do not allow, one line each."""
     notes = []
     size = len(FEATURE_NAMES)
     if fixed.any():
@@ -389,7 +407,7 @@ def _notes(
 
 
 def train(dataset: pd.DataFrame, target: str, name: str, **options) -> dict:
-    """Outputs of the rule by name; arguments of `abradem.learning.rows.learning_table` and `fit_linear`."""
+    """Outputs of the workflow rule by name; ``options`` are arguments of `fit_linear`."""
     found = fit_linear(dataset, target, table=name, **options)
     return {
         "summary": (found.summary, {"coefficients": found.coefficients["coefficient"].to_numpy()}),

@@ -1,12 +1,12 @@
-"""Principal components of the 20 features, and regression on them.
+"""Principal component analysis of the 20 features, and regression on the components.
 
-``as_published`` scales the features to 0...1 over all rows, then regresses, on more and more
-components, two targets: the wear, and the study's wrong one, the last component, which stood in
-the column where the notebook expected the wear. ``leakage_free`` standardises, and chooses the number
-of components by cross-validation inside the training rows.
+``as_published`` scales the features to 0...1 over all rows, and regresses two targets on an
+increasing number of components: the wear, and the wrong target of the paper, the last component,
+which was in the column where the notebook expected the wear. ``leakage_free`` standardises the
+features, and chooses the number of components by cross-validation inside the training rows.
 
-The analysis itself knows no target. Its loadings, variances and groups are those of all rows
-and describe.
+The analysis itself does not use the target. Its loadings, variances and groups are computed from
+all rows and are descriptive.
 """
 
 from __future__ import annotations
@@ -48,13 +48,21 @@ STIFFNESS = (
     "equipment_shear_modulus", "effective_youngs_modulus", "effective_shear_modulus",
 )  # fmt: skip
 GROUPED = 0.6
-"""A feature belongs to the component with which it correlates most, by this much or more."""
+"""A feature is grouped with the component that it correlates with most, if the absolute
+correlation is at least this large."""
 
 
 class Components(NamedTuple):
-    """Principal axes.
+    """Principal components.
 
-    ``axes`` (k, p) are orthonormal, ``variances`` (k,) descend; ``centre`` (p,).
+    Attributes
+    ----------
+    axes : ndarray, shape (k, p)
+        Orthonormal.
+    variances : ndarray, shape (k,)
+        In descending order.
+    centre : ndarray, shape (p,)
+        Mean of the rows.
     """
 
     axes: np.ndarray
@@ -64,7 +72,7 @@ class Components(NamedTuple):
 
 @dataclass(frozen=True)
 class PcaResult:
-    """What `fit_pca` gives.
+    """Result of `fit_pca`.
 
     Attributes
     ----------
@@ -75,13 +83,13 @@ class PcaResult:
     correlations : pandas.DataFrame
         symbol, feature, other, correlation of all pairs of the 20 features and the target.
     curve : pandas.DataFrame
-        protocol, explained, components, r2 on held-out rows: one split as published, median
-        of the repeated splits leakage-free, with their central share as lower and upper.
+        protocol, explained, components, r2, r2_lower, r2_upper on held-out rows. As published: one
+        split. Leakage-free: median over the repeated splits and their central share.
     results : Results
     model : tuple
-        Description and arrays.
+        Description and arrays of the regression.
     summary : dict
-        Groups of features by component, the stiffnesses' in words.
+        Groups of features by component, and the groups of the stiffnesses as text.
     """
 
     loadings: pd.DataFrame
@@ -94,7 +102,7 @@ class PcaResult:
 
 
 def principal_components(z: np.ndarray) -> Components:
-    """Principal axes of scaled rows; each axis points where its largest loading is positive."""
+    """Principal components of scaled rows (n, p); the largest loading of each axis is positive."""
     centre = z.mean(axis=0)
     _, singular, vt = np.linalg.svd(z - centre, full_matrices=False)
     sign = np.sign(vt[np.arange(len(vt)), np.argmax(np.abs(vt), axis=1)])
@@ -102,14 +110,20 @@ def principal_components(z: np.ndarray) -> Components:
 
 
 def _ordinary(scores: np.ndarray, y: np.ndarray, count: int) -> tuple[np.ndarray, float]:
-    """Least squares of ``y`` on the first ``count`` columns, with intercept."""
+    """Ordinary least squares of ``y`` on the first ``count`` columns, with intercept."""
     design = np.column_stack([scores[:, :count], np.ones(len(y))])
     found = np.linalg.lstsq(design, y, rcond=None)[0]
     return found[:-1], float(found[-1])
 
 
 def regress(x: np.ndarray, y: np.ndarray, count: int) -> Predict:
-    """Regression of raw rows on their first ``count`` standardised components."""
+    """Regression of ``y`` (n,) on the first ``count`` components of standardised rows ``x`` (n, p).
+
+    Returns
+    -------
+    callable
+        Predicts the target of raw rows.
+    """
     of_x = standard_scaler(x)
     parts = principal_components(of_x.forward(x))
     slopes, intercept = _ordinary((of_x.forward(x) - parts.centre) @ parts.axes.T, y, count)
@@ -118,7 +132,7 @@ def regress(x: np.ndarray, y: np.ndarray, count: int) -> Predict:
 
 
 def curve_of(x: np.ndarray, y: np.ndarray, rows: np.ndarray, actual: np.ndarray) -> np.ndarray:
-    """R2 of ``rows`` for 1, 2, ... components fitted on ``x`` and ``y``."""
+    """R2 on ``rows`` for regressions on 1, 2, ... components fitted to ``x`` and ``y``."""
     most = min(x.shape[1], len(y) - 1)
     return np.array([r2(actual, regress(x, y, count)(rows)) for count in range(1, most + 1)])
 
@@ -142,7 +156,7 @@ def fit_pca(
     confidence: float = 0.95,
     seed: int = 0,
 ) -> PcaResult:
-    """Principal components and the regression on them, both protocols.
+    """Principal components and the regression on them under both protocols.
 
     Parameters
     ----------
@@ -151,6 +165,10 @@ def fit_pca(
         Folds inside the training rows, to choose the number of components.
     test_share, repeats, confidence, seed
         Of the leakage-free splits.
+
+    Returns
+    -------
+    PcaResult
     """
     x, y = table.features, table.target
     results = Results(table)
@@ -196,7 +214,7 @@ def fit_pca(
 
 
 def groups_of(loadings: pd.DataFrame) -> dict[str, list[str]]:
-    """Features by the component that they correlate with most, at least by `GROUPED`."""
+    """Features grouped by the component that they correlate with most, see `GROUPED`."""
     found: dict[str, list[str]] = {}
     for feature, rows in loadings.groupby("feature", sort=False):
         best = rows.loc[rows["correlation"].abs().idxmax()]
@@ -206,7 +224,7 @@ def groups_of(loadings: pd.DataFrame) -> dict[str, list[str]]:
 
 
 def stiffness_words(groups: dict[str, list[str]]) -> str:
-    """Which stiffnesses stand together, in one line."""
+    """The components that group two or more stiffnesses, as one line of text."""
     parts = []
     for component, features in groups.items():
         stiff = [quantity(name).symbol for name in features if name in STIFFNESS]
@@ -216,9 +234,10 @@ def stiffness_words(groups: dict[str, list[str]]) -> str:
 
 
 def _published_curves(results: Results, parts: Components) -> list[pd.DataFrame]:
-    """R2 against the number of components, wear and last component, on the published split.
+    """R2 against the number of components on the published split, for wear and last component.
 
-    Min-max, components of all rows, then standardised over all rows, as the notebook does.
+    As in the notebook: min-max scaling, components of all rows, then components standardised over
+    all rows.
     """
     table = results.table
     x, y = table.features, table.target
@@ -306,7 +325,7 @@ def _scree(protocol: str, parts: Components) -> pd.DataFrame:
 
 
 def _correlations(table: Table) -> pd.DataFrame:
-    """Pearson correlations of X1 to X21; nan where a column does not vary."""
+    """Pearson correlations of X1 to X21; nan for constant columns."""
     values = np.column_stack([table.features, table.target])
     of_values = standard_scaler(values)
     z = of_values.forward(values)
@@ -334,7 +353,7 @@ def _model(
         MODEL,
         LEAKAGE_FREE,
         "linear",
-        (of_x, Scaler(np.float64(intercept), np.float64(1.0))),
+        (of_x, Scaler(np.array(intercept), np.array(1.0))),
         components=count,
         confidence=confidence,
         scores=scores_of(results.scores, MODEL, LEAKAGE_FREE, confidence),
@@ -348,7 +367,7 @@ def _model(
 
 
 def train(dataset: pd.DataFrame, target: str, name: str, **options) -> dict:
-    """Outputs of the rule by name; arguments of `abradem.learning.rows.learning_table` and `fit_pca`."""
+    """Outputs of the workflow rule by name; ``options`` are arguments of `fit_pca`."""
     found = fit_pca(learning_table(dataset, target, name, FEWEST_ROWS), **options)
     return {
         "loadings": found.loadings,

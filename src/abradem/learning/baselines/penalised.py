@@ -1,12 +1,12 @@
-"""Lasso and ridge: least squares with a penalty on the weights, in standardised variables.
+"""Lasso and ridge regression in standardised variables.
 
 With n rows::
 
-    lasso: min 1/(2n) |y - X w|^2 + alpha |w|_1       (sets weights to zero, hence selects)
-    ridge: min        |y - X w|^2 + alpha |w|_2^2     (shares a weight among like features)
+    lasso: min 1/(2n) |y - X w|^2 + alpha |w|_1       (sets weights to zero: selects features)
+    ridge: min        |y - X w|^2 + alpha |w|_2^2     (shares a weight among similar features)
 
-``as_published`` takes the study's alphas, 0.1 and 1. ``leakage_free`` chooses alpha by
-cross-validation inside the training rows, the scaler inside each fold.
+``as_published`` uses the penalties alpha of the paper, 0.1 and 1. ``leakage_free`` chooses alpha
+by cross-validation inside the training rows, with the scalers fitted inside each fold.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from abradem.quantities import FEATURE_NAMES, quantity
 
 MODELS = ("lasso", "ridge")
 ALPHAS = {"lasso": (1.0, 3e-3), "ridge": (1e4, 1e-2)}
-"""Ends of the paths: everything shrunk away, and all but least squares."""
+"""Ends of the paths: all weights near or at zero, and almost least squares."""
 
 
 class Penalty(NamedTuple):
@@ -49,18 +49,18 @@ class Penalty(NamedTuple):
 
 @dataclass(frozen=True)
 class PenalisedResult:
-    """What `fit_penalised` gives.
+    """Result of `fit_penalised`.
 
     Attributes
     ----------
     weights : pandas.DataFrame
-        model, protocol, symbol, feature, weight, survives: the share of the fits of a protocol
-        in which the weight is not zero.
+        model, protocol, symbol, feature, weight (mean over the fits of the protocol), survives
+        (share of these fits with a weight other than zero).
     paths : pandas.DataFrame
-        model, protocol, alpha, symbol, feature, weight on all rows.
+        model, protocol, alpha, symbol, feature, weight; fitted to all rows.
     validation : pandas.DataFrame
-        model, protocol, alpha, mean and standard error of R2 over the folds of a
-        cross-validation of all rows.
+        model, protocol, alpha, mean and stderr_of_mean of R2 over the folds of a cross-validation
+        of all rows, chosen.
     results : Results
     models : dict
         Description and arrays of both models by name.
@@ -76,9 +76,19 @@ class PenalisedResult:
 
 
 def weights(model: str, x: np.ndarray, y: np.ndarray, alphas: np.ndarray) -> np.ndarray:
-    """Weights for each penalty, shape (k, p), of standardised rows ``x`` and ``y``.
+    """Weights for each penalty, in standardised variables.
 
-    ``alphas`` descend, as each solution of the lasso starts from the one before.
+    Parameters
+    ----------
+    model : {"lasso", "ridge"}
+    x : ndarray, shape (n, p)
+    y : ndarray, shape (n,)
+    alphas : ndarray, shape (k,)
+        Descending, as each solution of the lasso starts from the previous one.
+
+    Returns
+    -------
+    ndarray, shape (k, p)
     """
     centred = x - x.mean(axis=0)
     target = y - y.mean()
@@ -88,7 +98,7 @@ def weights(model: str, x: np.ndarray, y: np.ndarray, alphas: np.ndarray) -> np.
         return (shrunk * (u.T @ target)) @ vt
     from sklearn.linear_model import lasso_path
 
-    # Nearly dependent features make the last digits slow; they do not matter here.
+    # Nearly dependent features slow the convergence of the last digits, which are not needed.
     _, found, _ = lasso_path(
         centred, target, alphas=np.asarray(alphas, dtype=float), max_iter=100_000, tol=1e-4
     )
@@ -96,7 +106,7 @@ def weights(model: str, x: np.ndarray, y: np.ndarray, alphas: np.ndarray) -> np.
 
 
 def penalised(model: str, alpha: float, found: list) -> Fit:
-    """A model of given penalty, in standardised variables; its weights are added to ``found``."""
+    """Model with a given penalty in standardised variables; appends its weights to ``found``."""
 
     def fit(x: np.ndarray, y: np.ndarray):
         (slopes,) = weights(model, x, y, np.array([alpha]))
@@ -110,7 +120,20 @@ def penalised(model: str, alpha: float, found: list) -> Fit:
 def choose_alpha(
     model: str, x: np.ndarray, y: np.ndarray, points: int, fold_count: int, seed: int
 ) -> Penalty:
-    """The penalty with the best mean R2 over the folds of ``x`` and ``y`` (raw)."""
+    """Choose the penalty with the best mean R2 over the folds of a cross-validation.
+
+    Parameters
+    ----------
+    model : {"lasso", "ridge"}
+    x : ndarray, shape (n, p)
+        Raw features.
+    y : ndarray, shape (n,)
+        Raw target.
+    points : int
+        Number of penalties tried.
+    fold_count : int
+    seed : int
+    """
     alphas = np.geomspace(*ALPHAS[model], points)
     scores = []
     for train, check in folds(len(y), fold_count, seed):
@@ -118,7 +141,7 @@ def choose_alpha(
         found = weights(model, of_x.forward(x[train]), of_y.forward(y[train]), alphas)
         predicted = of_y.back(of_x.forward(x[check]) @ found.T)
         scores.append([r2(y[check], column) for column in predicted.T])
-    # A fold of equal targets has no R2; the largest penalty wins where none has one.
+    # R2 is nan for a fold with a constant target; if all are nan, the largest penalty is chosen.
     means = np.nan_to_num(np.nanmean(np.array(scores), axis=0), nan=-np.inf)
     return Penalty(float(alphas[int(np.argmax(means))]), alphas, np.array(scores))
 
@@ -142,11 +165,15 @@ def fit_penalised(
     lasso_alpha, ridge_alpha : float
         Penalties as published.
     path_points : int
-        Penalties on each path.
+        Number of penalties on each path.
     fold_count : int
         Folds of the cross-validations.
     test_share, repeats, confidence, seed
         Of the leakage-free splits.
+
+    Returns
+    -------
+    PenalisedResult
     """
     published = {"lasso": lasso_alpha, "ridge": ridge_alpha}
     x, y = table.features, table.target
@@ -156,7 +183,9 @@ def fit_penalised(
     rows, paths, validation, models, summary = [], [], [], {}, {}
 
     for model in MODELS:
-        as_published, leakage_free, chosen = [], [], []
+        as_published: list[np.ndarray] = []
+        leakage_free: list[np.ndarray] = []
+        chosen: list[float] = []
         fit = penalised(model, published[model], as_published)
         evaluate_as_published(results, model, with_scalers(fit, of_all))
 
@@ -254,7 +283,7 @@ def _validation_rows(model: str, penalty: Penalty) -> pd.DataFrame:
 
 
 def train(dataset: pd.DataFrame, target: str, name: str, **options) -> dict:
-    """Outputs of the rule by name; arguments of `abradem.learning.rows.learning_table` and `fit_penalised`."""
+    """Outputs of the workflow rule by name; ``options`` are arguments of `fit_penalised`."""
     found = fit_penalised(learning_table(dataset, target, name, FEWEST_ROWS), **options)
     return {
         "weights": found.weights,

@@ -1,17 +1,17 @@
-"""Which features the networks get: from the weights of the regressions and the loadings.
+"""Selection of the features of the networks, by regression weights and loadings.
 
-The study chose 12 of the 20 features "from weights and loadings" without a rule. The rule here,
-stated so that it can run inside the training rows:
+The paper chose 12 of the 20 features "from weights and loadings" without stating a rule. The rule
+used here can be applied inside the training rows:
 
-1. Features by weight: the larger of the absolute weights of lasso and ridge (standardised,
-   penalties as published).
-2. Features by loading: their share in the leading components, the sum over the first components
-   that hold half of the variance of squared loading times variance.
-3. Half of the places go to the largest weights, the others to the largest loadings among the
-   features left.
+1. Rank the features by weight: the larger of the absolute weights of lasso and ridge
+   (standardised, penalties as published).
+2. Rank the features by loading: their share in the leading components, which is the sum of
+   squared loading times variance over the first components that explain half of the variance.
+3. Half of the selected features are those with the largest weights, the others those with the
+   largest loadings among the remaining features.
 
-Weights find what explains the wear one by one, loadings what represents many features at once;
-neither is proof that a feature matters.
+Weights rank single features by how well they explain the wear; loadings rank features that
+represent many others. Neither proves that a feature matters.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from abradem.learning.rows import FEWEST_ROWS, Table, learning_table, minmax_sca
 from abradem.quantities import FEATURE_NAMES, quantity
 
 LEADING = 0.5
-"""Share of the variance that the leading components hold."""
+"""Share of the variance explained by the leading components."""
 BY_WEIGHT = 0.5
-"""Share of the places given by weight."""
+"""Share of the features selected by weight."""
 
 
 def select(
@@ -47,14 +47,17 @@ def select(
     x : ndarray, shape (n, 20)
     y : ndarray, shape (n,)
     count : int
+        Number of features to choose.
     lasso_alpha, ridge_alpha : float
+        Penalties.
     minmax : bool
-        Scale to 0...1 before the components, as published, instead of standardising.
+        Whether to scale to 0...1 (as published) instead of standardising before the component
+        analysis.
 
     Returns
     -------
     columns : ndarray of int, shape (count,)
-        Chosen features, ascending.
+        Column numbers of the chosen features, ascending.
     table : pandas.DataFrame
         symbol, feature, lasso_weight, ridge_weight, leading_share, chosen_by (``weight``,
         ``loading`` or "").
@@ -95,16 +98,24 @@ def fit_selection(
     repeats: int = 20,
     seed: int = 0,
 ) -> tuple[pd.DataFrame, dict]:
-    """The features chosen under both protocols, and how far they agree with the study's list.
+    """Features chosen under both protocols, compared with the list of the paper.
+
+    Parameters
+    ----------
+    table : Table
+    count, lasso_alpha, ridge_alpha
+        See `select`.
+    test_share, repeats, seed
+        Of the leakage-free splits.
 
     Returns
     -------
     selection : pandas.DataFrame
-        protocol and the columns of `select`, with ``survives`` (share of the fits of the
-        protocol that choose the feature: all rows as published; the training rows of each split
-        leakage-free, weights of the first split) and ``in_paper``.
+        protocol and the columns of `select` (leakage-free: of the first split), ``survives`` (share
+        of the selections that choose the feature; as published there is one, on all rows,
+        leakage-free one on the training rows of each split) and ``in_paper``.
     summary : dict
-        For each protocol the features and the number that the study's list shares.
+        For each protocol the chosen features and how many of them are in the list of the paper.
     """
     penalties = (lasso_alpha, ridge_alpha)
     frames, summary = [], {}
@@ -112,12 +123,12 @@ def fit_selection(
     frames.append(_labelled(AS_PUBLISHED, chosen, np.isin(np.arange(len(chosen)), columns)))
     summary[AS_PUBLISHED] = _agreement(columns)
 
-    hits, first, of_first = np.zeros(len(FEATURE_NAMES)), None, None
+    hits, of_splits = np.zeros(len(FEATURE_NAMES)), []
     for train, _ in repeated_splits(table.keys, test_share, repeats, seed):
         columns, chosen = select(table.features[train], table.target[train], count, *penalties)
         hits[columns] += 1.0
-        if first is None:
-            first, of_first = chosen, columns
+        of_splits.append((columns, chosen))
+    of_first, first = of_splits[0]
     frames.append(_labelled(LEAKAGE_FREE, first, hits / repeats))
     summary[LEAKAGE_FREE] = _agreement(of_first)
     return pd.concat(frames, ignore_index=True), {"count": count, **summary}
@@ -143,7 +154,7 @@ def _agreement(columns: np.ndarray) -> dict:
 
 
 def train(dataset: pd.DataFrame, target: str, name: str, **options) -> dict:
-    """Outputs of the rule by name; arguments of `abradem.learning.rows.learning_table` and `fit_selection`."""
+    """Outputs of the workflow rule by name; ``options`` are arguments of `fit_selection`."""
     rows = learning_table(dataset, target, name, FEWEST_ROWS)
     selection, summary = fit_selection(rows, **options)
     return {"selection": selection, "summary": summary}

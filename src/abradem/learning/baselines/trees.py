@@ -1,15 +1,17 @@
-"""Decision tree and its remedy, the random forest.
+"""Decision tree and random forest.
 
-``as_published`` grows trees of depth 1 to 49 on unscaled features and reads the depth off the
-test rows. Unscaled, differences of the wear constant (1e-8 1/Pa) lie below the least difference
-that the library splits on (1e-7), so its tree cannot see the constant at all. ``leakage_free``
-standardises and prunes by cost and complexity, the complexity chosen by cross-validation inside
-the training rows.
+``as_published`` grows trees of depth 1 to 49 on unscaled features and chooses the depth on the
+test rows. Without scaling, differences of the wear constant (1e-8 1/Pa) are below the smallest
+difference that scikit-learn splits on (1e-7), so the tree cannot use the constant at all.
+``leakage_free`` standardises the features and uses cost-complexity pruning (Breiman et al. 1984,
+Classification and Regression Trees), with the penalty chosen by cross-validation inside the
+training rows. The random forest (Breiman 2001, Machine Learning 45:5) is leakage-free only.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -37,22 +39,24 @@ from abradem.quantities import FEATURE_NAMES, quantity
 
 TREE, FOREST = "tree", "forest"
 MOST_PENALTIES = 60
-"""Complexities tried along the pruning sequence, from the root alone to the whole tree."""
+"""Largest number of penalties tried along the pruning sequence, from root only to full tree."""
 
 
 @dataclass(frozen=True)
 class TreesResult:
-    """What `fit_trees` gives.
+    """Result of `fit_trees`.
 
     Attributes
     ----------
     curve : pandas.DataFrame
-        protocol, depth, split, r2; leakage-free the median over the splits with r2_lower and r2_upper.
+        protocol, depth, split, r2, r2_lower, r2_upper; leakage-free: median over the repeated
+        splits and their central share.
     nodes : pandas.DataFrame
         The pruned tree of all rows: protocol, node, parent, left, right, symbol, feature,
-        threshold (in the feature's unit), unit, rows, prediction (mm/s).
+        threshold (in the feature's unit), unit, rows, predicted (mm/s).
     importance : pandas.DataFrame
-        model, symbol, feature, importance: share of the variance that splits on it removed.
+        model, protocol, symbol, feature, importance (share of the variance removed by splits on
+        the feature).
     results : Results
     models : dict
         Description and arrays of tree and forest.
@@ -68,7 +72,7 @@ class TreesResult:
 
 
 def grow(x: np.ndarray, y: np.ndarray, depth: int | None = None, penalty: float = 0.0):
-    """A regression tree of the library, reproducible."""
+    """Fit a scikit-learn regression tree with a fixed seed."""
     from sklearn.tree import DecisionTreeRegressor
 
     return DecisionTreeRegressor(
@@ -79,11 +83,11 @@ def grow(x: np.ndarray, y: np.ndarray, depth: int | None = None, penalty: float 
 def choose_penalty(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) -> float:
     """Complexity penalty with the best mean R2 over the folds."""
     path = grow(x, y).cost_complexity_pruning_path(x, y).ccp_alphas
-    # Between two penalties of the sequence the tree is the same: their geometric middle. Beyond
-    # the last the root is left alone.
+    # The tree is the same between two penalties of the sequence, so try their geometric means.
+    # Beyond the last penalty only the root is left.
     middles = np.sqrt(np.maximum(path[:-1], 0.0) * path[1:])
     sequence = np.unique([0.0, *middles, 2.0 * path[-1]])
-    # Few of many: closely where the tree is small, widely where it is large.
+    # Of many penalties keep few: densely for small trees, sparsely for large ones.
     places = np.unique(np.geomspace(1, len(sequence), MOST_PENALTIES).round().astype(int))
     candidates = sequence[-places[::-1]]
     scores = [
@@ -91,7 +95,7 @@ def choose_penalty(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) -> 
         for train, check in folds(len(y), fold_count, seed)
     ]
     means = np.nan_to_num(np.nanmean(scores, axis=0), nan=-np.inf)
-    # Of equal ones the simplest.
+    # Of equally good penalties take the one with the simplest tree.
     return float(candidates[len(means) - 1 - int(np.argmax(means[::-1]))])
 
 
@@ -105,23 +109,29 @@ def fit_trees(
     confidence: float = 0.95,
     seed: int = 0,
 ) -> TreesResult:
-    """Fit tree and forest.
+    """Fit decision tree and random forest.
 
     Parameters
     ----------
     table : Table
     max_depth : int
-        Of the curve of depths.
+        Largest depth of the curve.
     forest_trees : int
+        Number of trees of the forest.
     fold_count : int
+        Folds of the cross-validation that chooses the penalty.
     test_share, repeats, confidence, seed
         Of the leakage-free splits.
+
+    Returns
+    -------
+    TreesResult
     """
     results = Results(table)
     x, y = table.features, table.target
     published = _published_depths(table, max_depth)
     tests = published[published["split"] == "test"]
-    # A constant test target has no R2 to read a depth off.
+    # R2 is nan for a constant test target.
     best = 1 if tests["r2"].isna().all() else int(tests.loc[tests["r2"].idxmax(), "depth"])
     evaluate_as_published(results, TREE, lambda a, b: grow(a, b, best).predict)
 
@@ -131,7 +141,7 @@ def fit_trees(
         penalties.append(choose_penalty(features, target, fold_count, seed))
         return grow(features, target, None, penalties[-1]).predict
 
-    splits = {"test_share": test_share, "repeats": repeats, "seed": seed}
+    splits: dict[str, Any] = {"test_share": test_share, "repeats": repeats, "seed": seed}
     evaluate_leakage_free(results, TREE, with_scalers(pruned), **splits)
     evaluate_leakage_free(
         results, FOREST, with_scalers(lambda a, b: _forest(a, b, forest_trees).predict), **splits
@@ -142,7 +152,10 @@ def fit_trees(
     penalty = choose_penalty(z, v, fold_count, seed)
     tree, forest = grow(z, v, None, penalty), _forest(z, v, forest_trees)
     arrays = {TREE: tree_arrays([tree]), FOREST: tree_arrays(forest.estimators_)}
-    more = {TREE: {"ccp_alpha": penalty}, FOREST: {"trees": forest_trees}}
+    more: dict[str, dict[str, Any]] = {
+        TREE: {"ccp_alpha": penalty},
+        FOREST: {"trees": forest_trees},
+    }
     return TreesResult(
         curve=pd.concat(
             [
@@ -196,7 +209,7 @@ def _depths(x, y, train, test, max_depth: int, scale) -> np.ndarray:
     of_x = scale(x[train])
     found, last = [], None
     for depth in range(1, max_depth + 1):
-        # Once a tree is fully grown, deeper limits give the same tree.
+        # A fully grown tree does not change with a larger depth limit.
         if last is None or last.get_depth() == depth - 1:
             last = grow(of_x(x[train]), y[train], depth)
             scores = [r2(y[rows], last.predict(of_x(x[rows]))) for rows in (train, test)]
@@ -248,7 +261,7 @@ def _depth_rows(protocol, found, lower=None, upper=None) -> pd.DataFrame:
 
 
 def _splits_on(table: Table, depth: int, feature: str) -> int:
-    """How many splits of the tree as published use a feature."""
+    """Number of splits of the published tree that use a feature."""
     train, _ = published_split(len(table.target), PUBLISHED_SHARE)
     tree = grow(table.features[train], table.target[train], depth).tree_
     return int(np.sum(tree.feature == FEATURE_NAMES.index(feature)))
@@ -296,7 +309,7 @@ def _importance(model: str, fitted) -> pd.DataFrame:
 
 
 def train(dataset: pd.DataFrame, target: str, name: str, **options) -> dict:
-    """Outputs of the rule by name; arguments of `abradem.learning.rows.learning_table` and `fit_trees`."""
+    """Outputs of the workflow rule by name; ``options`` are arguments of `fit_trees`."""
     found = fit_trees(learning_table(dataset, target, name, FEWEST_ROWS), **options)
     return {
         "curve": found.curve,

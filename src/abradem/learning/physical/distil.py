@@ -1,13 +1,13 @@
-"""From the Gaussian process to a network small enough for anywhere.
+"""Distillation of the Gaussian process into small networks, the surrogate.
 
-The process needs all its rows for a prediction; a network of a few thousand weights does not.
-It is trained on what the process says at many points drawn evenly within the training ranges
-(knowledge distillation; Hinton, Vinyals and Dean 2015, arXiv:1503.02531), where labels cost
-nothing and carry no noise. A second network learns the logarithm of the process's standard
-deviation.
+The Gaussian process needs all its rows for a prediction; a network needs only a few thousand
+weights. The network is trained on predictions of the process at many points, drawn evenly within
+the training ranges (knowledge distillation; Hinton, Vinyals and Dean 2015, arXiv:1503.02531).
+These labels are cheap and free of noise. A second network learns the logarithm of the standard
+deviation of the process.
 
-The surrogate has a score of its own: on some of the study's splits the process is fitted to the
-training rows, distilled, and the *network* is scored on the test rows.
+The surrogate is scored separately: on some of the study's splits the process is fitted to the
+training rows and distilled, and the *network* is scored on the test rows.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ from abradem.surrogate.model import Surrogate
 MODEL = "surrogate"
 
 SPREAD_HIDDEN = (32,)
-"""The standard deviation is smooth and needs no precision."""
+"""Hidden layers for the standard deviation, which is smooth and need not be precise."""
 
 SCHEDULE = ((0.45, 64, 3e-3), (0.3, 128, 1e-3), (0.25, 256, 3e-4))
-"""Share of the epochs, rows of a mini-batch, step of the optimiser: larger and calmer."""
+"""Training phases: share of the epochs, rows of a mini-batch, learning rate."""
 
 CHECKED = 2000
-"""Points, not trained on, at which network and process are compared."""
+"""Number of points, not used in training, at which network and process are compared."""
 
 
 class Settings(NamedTuple):
-    """Points of the distillation, neurons of the hidden layers, passes over the points."""
+    """Number of distillation points, neurons of the hidden layers, passes over the points."""
 
     points: int = 20_000
     hidden: tuple[int, ...] = (64, 64)
@@ -51,14 +51,22 @@ class Settings(NamedTuple):
 def distil(
     process: GaussianProcess, given: WearProblem, settings: Settings, seed: int = 0
 ) -> tuple[dict[str, np.ndarray], dict]:
-    """Networks that repeat a process.
+    """Train networks that reproduce the mean and the standard deviation of a process.
+
+    Parameters
+    ----------
+    process : GaussianProcess
+    given : WearProblem
+        Its inputs give the ranges from which the points are drawn.
+    settings : Settings
+    seed : int
 
     Returns
     -------
     arrays : dict of str to ndarray
-        What `abradem.surrogate.model.Surrogate` reads, without the conformal scores.
+        The arrays that `abradem.surrogate.model.Surrogate` reads, except the conformal scores.
     error : dict
-        ``rms`` and ``largest`` difference from the process, relative, at fresh points.
+        ``rms`` and ``largest`` relative difference from the process at new points.
     """
     low, high = given.inputs.min(axis=0), given.inputs.max(axis=0)
     groups = _points(low, high, settings.points, seed, given)
@@ -94,12 +102,12 @@ def surrogate_of(
     process : GaussianProcess
         Fitted to all rows.
     conformal : ndarray
-        Held-out scores of `abradem.learning.physical.intervals.calibrate`.
+        Held-out scores from `abradem.learning.physical.intervals.calibrate`.
     settings : Settings
     results : Results
-        Of `evaluate_surrogate`, the score of its own.
+        From `evaluate_surrogate`.
     confidence : float
-        Central share of the splits that the scores state.
+        Central share of the splits that the intervals of the scores contain.
     seed : int
     """
     arrays, error = distil(process, given, settings, seed)
@@ -114,7 +122,7 @@ def evaluate_surrogate(
     repeats: int = 5,
     seed: int = 0,
 ) -> Results:
-    """Scores of distilled networks on the test rows of the first ``repeats`` splits."""
+    """Score distilled networks on the test rows of the first ``repeats`` splits."""
     results = Results(given.table)
     make = makers(seed)[PROCESS]
     splits = repeated_splits(given.table.keys, test_share, repeats, seed)
@@ -126,7 +134,7 @@ def evaluate_surrogate(
         predicted = Surrogate(description, arrays).predict(
             dict(zip(SAMPLED_NAMES, given.inputs[test].T, strict=True))
         )
-        # The surrogate's scale is in the headline's unit, as that of the problem.
+        # Surrogate and problem use the same unit, that of the headline wear rate.
         floor = float(given.table.target[rows].min())
         results.add(MODEL, LEAKAGE_FREE, "test", repeat, test, predicted.rate, floor)
     return results
@@ -164,12 +172,12 @@ def _describe(given: WearProblem, error: dict, settings: Settings, results, conf
 
 
 def _points(low, high, count: int, seed: int, given: WearProblem) -> np.ndarray:
-    """Groups of cases spread evenly over the ranges."""
+    """Groups of cases spread evenly over the ranges, as a Latin hypercube."""
     from scipy.stats import qmc
 
     unit = qmc.LatinHypercube(len(SAMPLED_NAMES), rng=np.random.default_rng(seed)).random(count)
     values = dict(zip(SAMPLED_NAMES, (low + unit * (high - low)).T, strict=True))
-    # A particle that neither starts with a velocity nor falls has no wear number.
+    # Without initial velocity and without fall the wear number is undefined.
     possible = wear_scale(values, given.jet) > 0.0
     return group_matrix({name: column[possible] for name, column in values.items()}, given.jet)
 

@@ -1,12 +1,12 @@
 """Boosted trees and an ensemble of networks on the logarithm of the wear number.
 
-Both take groups (n, p), target and standard errors, as the other models of this package do; the
-weight of a row is 1 / (floor^2 + error^2), scaled to mean 1.
+Both are fitted to groups (n, p), target (n,) and relative standard errors (n,), like the other
+models of this package. Boosting weights each row with 1 / (floor^2 + error^2), scaled to mean 1.
 
-Boosting adds small trees, each fitted to what the ones before left on a random half of the rows
-(Friedman 2002, Comput. Stat. Data Anal. 38:367). The ensemble is the mean of networks that
-differ in start weights and in the order of rows: what they disagree on averages out
-(Lakshminarayanan, Pritzel and Blundell 2017, NeurIPS).
+Boosting adds small trees, each fitted to the residuals of the previous ones on a random half of
+the rows (Friedman 2002, Comput. Stat. Data Anal. 38:367). The ensemble is the mean of networks
+that differ in initial weights and in the order of the rows, so that their individual errors
+average out (Lakshminarayanan, Pritzel and Blundell 2017, NeurIPS).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from abradem.learning.network import Training, start, train
 from abradem.learning.rows import standard_scaler
 
 ERROR_FLOOR = 0.02
-"""Relative error below which rows count alike."""
+"""Relative standard error below which all rows have about the same weight."""
 
 
 class Boosting:
@@ -27,7 +27,7 @@ class Boosting:
     ----------
     trees : int
     depth : int
-        Splits along a branch, the number of groups that may act together.
+        Largest number of splits along a branch, which limits the order of interactions.
     learning_rate : float
     seed : int
     """
@@ -36,6 +36,7 @@ class Boosting:
         self.trees, self.depth, self.learning_rate, self.seed = trees, depth, learning_rate, seed
 
     def fit(self, x: np.ndarray, target: np.ndarray, error: np.ndarray) -> Boosting:
+        """Fit to groups (n, p), target (n,) and its standard errors (n,)."""
         from sklearn.ensemble import GradientBoostingRegressor
 
         self._model = GradientBoostingRegressor(
@@ -49,22 +50,25 @@ class Boosting:
         return self
 
     def predict(self, x: np.ndarray) -> np.ndarray:
+        """Target for groups (n, p), shape (n,)."""
         return self._model.predict(x)
 
 
 class Networks:
-    """Mean of small networks.
+    """Ensemble of small networks; the prediction is their mean.
 
     Parameters
     ----------
     members : int
+        Number of networks.
     hidden : tuple of int
-        Neurons of the layers.
+        Neurons of the hidden layers.
     steps : int
-        Mini-batches that each member is trained on, whatever the number of rows.
+        Training steps (mini-batches) of each network, independent of the number of rows.
     batch : int
+        Rows of a mini-batch.
     learning_rate : float
-        Of the first half of the steps; a fifth of it in the second.
+        Learning rate in the first half of the steps; the second half uses a fifth of it.
     seed : int
     """
 
@@ -81,6 +85,7 @@ class Networks:
         self.batch, self.learning_rate, self.seed = batch, learning_rate, seed
 
     def fit(self, x: np.ndarray, target: np.ndarray, error: np.ndarray) -> Networks:
+        """Fit to groups (n, p) and target (n,); the standard errors are not used."""
         self._of_x, self._of_t = standard_scaler(x), standard_scaler(target)
         z, t = self._of_x.forward(x), self._of_t.forward(target)
         epochs = max(1, round(0.5 * self.steps * self.batch / len(t)))
@@ -94,6 +99,7 @@ class Networks:
         return self
 
     def predict(self, x: np.ndarray) -> np.ndarray:
+        """Target for groups (n, p), shape (n,)."""
         z = self._of_x.forward(x)
         return self._of_t.back(np.mean([net.predict(z) for net in self._nets], axis=0))
 

@@ -1,24 +1,24 @@
-"""A Gaussian process that knows the noise of each row and shrugs off a row that is wrong.
+"""Gaussian process regression with known noise of each row, robust against outliers.
 
-The target t (logarithm of the wear number) of standardised features z is taken as
+The target t (logarithm of the wear number) is modelled as a function of standardised features z
 
     t(z) = linear trend + smooth function + noise
     k(z, z') = c^2 + b^2 z.z' + a^2 (1 + r + r^2/3) exp(-r),  r^2 = 5 sum_j (z_j - z'_j)^2 / l_j^2
 
-the Matern function of order 5/2 with a length l_j for each feature (automatic relevance
+with the Matern 5/2 covariance and a length l_j for each feature (automatic relevance
 determination; Rasmussen and Williams 2006, Gaussian Processes for Machine Learning, 4.2 and 5.1).
-The noise of row i has the variance n^2 / w_i + e_i^2: e_i is the relative standard error that
-the simulation itself states, n what is left over, and w_i <= 1 the weight of the row.
+The noise variance of row i is n^2 / w_i + e_i^2, where e_i is the relative standard error of the
+simulation, n the remaining noise, and w_i <= 1 the weight of the row.
 
-*Robust.* For noise with Student's t-distribution of nu degrees of freedom the weights are
-w_i = (nu + 1) / (nu + u_i^2), at most 1, with u_i the leave-one-out residual over its predicted
-standard deviation (iteratively reweighted as in Lange, Little and Taylor 1989, J. Am. Stat.
-Assoc. 84:881). Leaving one out costs nothing (Rasmussen and Williams, eq. 5.12):
+*Robustness.* For noise with a Student t-distribution of nu degrees of freedom the weights are
+w_i = (nu + 1) / (nu + u_i^2), at most 1, where u_i is the leave-one-out residual divided by its
+predicted standard deviation (iterative reweighting, Lange, Little and Taylor 1989, J. Am. Stat.
+Assoc. 84:881). Leave-one-out residuals need no further fit (Rasmussen and Williams, eq. 5.12):
 t_i - mean_-i = alpha_i / K^-1_ii, variance_-i = 1 / K^-1_ii, the noise of the row included.
 
-*Few rows.* Maximum likelihood alone overfits ten lengths to a hundred rows, so each parameter
-has a prior, given with the constants below: responses are smooth over the range of a feature,
-and a row is reproduced to a few percent.
+*Few rows.* Maximum likelihood alone would overfit ten lengths to a hundred rows, so each
+parameter has a prior (the constants below): responses are smooth over the range of a feature, and
+the remaining noise is a few percent.
 """
 
 from __future__ import annotations
@@ -28,19 +28,21 @@ import numpy as np
 from abradem.learning.rows import standard_scaler
 
 STUDENT_FREEDOM = 4.0
-"""nu of Student's distribution."""
+"""Degrees of freedom nu of the Student t-distribution of the noise."""
 
 ROUNDS = 3
-"""Rounds of reweighting; the weights change little after two."""
+"""Iterations of the reweighting; the weights change little after two."""
 
 PARAMETER_ROWS = 500
-"""Rows, drawn at random, that the parameters are fitted to; all rows give the prediction."""
+"""Largest number of rows, drawn at random, to which the parameters are fitted; the prediction uses
+all rows."""
 
 MOST_ROWS = 4000
-"""Rows that the prediction rests on; more are thinned at random (memory grows as their square)."""
+"""Largest number of rows used for the prediction; of more rows a random subset is used, as memory
+grows with the square of their number."""
 
 CONSTANT = 10.0
-"""c^2: the mean of the target is free."""
+"""c^2, large enough that the mean of the target is practically free."""
 
 # Priors, normal in the logarithm: (mean, standard deviation).
 _LENGTH = (1.4, 0.7)  # a length of 4 standard deviations of the feature, within a factor of two
@@ -50,21 +52,26 @@ _TREND = (-2.0, 2.0)
 
 
 class GaussianProcess:
-    """Regression with prediction, standard deviation and leave-one-out residuals.
+    """Gaussian process with predictions, standard deviations and leave-one-out residuals.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the choice of rows, see `PARAMETER_ROWS` and `MOST_ROWS`.
 
     Attributes
     ----------
     lengths : ndarray, shape (p,)
-        l_j, in standard deviations of the feature; the longer, the less the feature matters.
+        l_j, in standard deviations of the feature; a long length means a weak influence.
     smooth, noise, trend : float
         a, n and b.
     weights : ndarray, shape (n,)
-        w_i, small for a row that disagrees with all others.
+        w_i, small for outliers.
     residuals, deviations : ndarray, shape (n,)
-        Leave-one-out residuals of the rows used, and the standard deviation with which each would
-        be predicted were it new.
+        Leave-one-out residuals of the rows used, and the standard deviations with which they
+        would be predicted as new rows.
     typical_error : float
-        Median of e_i, the error of a row that is not known yet.
+        Median of e_i, taken as the error of new rows.
     """
 
     def __init__(self, seed: int = 0):
@@ -95,11 +102,15 @@ class GaussianProcess:
         return self
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Mean of the target for features (n, p)."""
+        """Mean of the target for features (n, p), shape (n,)."""
         return np.concatenate([self._mean + k @ self._alpha for k, _ in self._blocks(x)])
 
     def predict_with_deviation(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Mean, and standard deviation of a new row: of the function, the noise and its error."""
+        """Mean and standard deviation of new rows, each of shape (n,), for features (n, p).
+
+        The standard deviation includes the uncertainty of the function, the noise n and the
+        typical error of a simulation.
+        """
         noise = self.noise**2 + self.typical_error**2
         means, deviations = [], []
         for k, z in self._blocks(x):
@@ -110,7 +121,7 @@ class GaussianProcess:
         return np.concatenate(means), np.concatenate(deviations)
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Everything that a prediction needs, for a file."""
+        """All arrays needed for predictions, as stored in a file."""
         return {
             "feature_mean": self._scaler.mean,
             "feature_scale": self._scaler.scale,
@@ -128,7 +139,7 @@ class GaussianProcess:
 
     @classmethod
     def of(cls, arrays: dict[str, np.ndarray]) -> GaussianProcess:
-        """The process that `arrays` describes."""
+        """Restore a process from the arrays of `arrays`."""
         from abradem.learning.rows import Scaler
 
         self = cls()
@@ -149,7 +160,7 @@ class GaussianProcess:
         self.smooth, self.noise, self.trend = map(float, np.exp(theta[-3:]))
 
     def _blocks(self, x: np.ndarray, size: int = 2048):
-        """Covariances with the rows, a block of ``x`` at a time, and the standardised block."""
+        """Yield blocks of ``x``: their covariances with the rows, and the standardised block."""
         z = self._scaler.forward(x)
         for first in range(0, max(len(z), 1), size):
             block = z[first : first + size]
@@ -158,7 +169,7 @@ class GaussianProcess:
             yield self.smooth**2 * matern + linear + CONSTANT, block
 
     def _solve(self, t: np.ndarray, variance: np.ndarray) -> None:
-        """Weights of the rows in a prediction, and the leave-one-out residuals."""
+        """Compute the coefficients alpha = K^-1 t and the leave-one-out residuals."""
         z = self._rows
         matern, _ = _matern(z / self.lengths, z / self.lengths)
         covariance = self.smooth**2 * matern + self.trend**2 * (z @ z.T) + CONSTANT
@@ -168,12 +179,12 @@ class GaussianProcess:
         self._alpha = self._inverse @ t
         precision = np.diag(self._inverse)
         self.residuals = self._alpha / precision
-        # As a new row would be predicted: with the noise of any row, not of one that is doubted.
+        # As for a new row: with the typical noise instead of that of a downweighted row.
         function = np.maximum(1.0 / precision - noise, 0.0)
         self.deviations = np.sqrt(function + self.noise**2 + self.typical_error**2)
 
     def _most_probable(self, theta, few, t, variance, iterations):
-        """Parameters of highest posterior density on the rows ``few``."""
+        """Maximum a posteriori parameters on the rows ``few``."""
         from scipy.optimize import minimize
 
         z, p = self._rows[few], self._rows.shape[1]
@@ -186,7 +197,7 @@ class GaussianProcess:
 
 
 def _matern(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Matern 5/2 of scaled rows, and minus twice its derivative by the squared distance."""
+    """Matern 5/2 covariance of scaled rows, and -2 times its derivative by the squared distance."""
     squared = np.sum(a**2, axis=1)[:, None] + np.sum(b**2, axis=1) - 2.0 * (a @ b.T)
     r = np.sqrt(5.0 * np.maximum(squared, 0.0))
     decay = np.exp(-r)
@@ -194,7 +205,7 @@ def _matern(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _inverse(covariance: np.ndarray) -> tuple[np.ndarray, float]:
-    """Inverse and half the log determinant of a covariance, by Cholesky's factor."""
+    """Inverse and half the log determinant of a covariance matrix, by Cholesky factorisation."""
     from scipy.linalg import cholesky
     from scipy.linalg.lapack import dpotri
 
@@ -205,10 +216,10 @@ def _inverse(covariance: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def _loss(theta, z, t, spread, variance) -> tuple[float, np.ndarray]:
-    """Minus the log posterior of the parameters, and its gradient.
+    """Negative log posterior of the parameters, and its gradient.
 
-    With Q = (K^-1 - alpha alpha') / 2 the gradient of the likelihood is sum Q * dK/dtheta
-    (Rasmussen and Williams, eq. 5.9).
+    With Q = (K^-1 - alpha alpha') / 2 the gradient of the negative log likelihood is
+    sum Q * dK/dtheta (Rasmussen and Williams, eq. 5.9).
     """
     p = z.shape[1]
     lengths, (smooth, noise, trend) = np.exp(theta[:p]), np.exp(2.0 * theta[p:])
@@ -221,7 +232,7 @@ def _loss(theta, z, t, spread, variance) -> tuple[float, np.ndarray]:
     loss = 0.5 * t @ alpha + half_log_determinant
     q = 0.5 * (inverse - np.outer(alpha, alpha))
 
-    # dk/dl_j = a^2 slope (z_j - z'_j)^2 / l_j^2, summed without a matrix for each j.
+    # l_j dk/dl_j = a^2 slope (z_j - z'_j)^2 / l_j^2, summed without a matrix for each j.
     qs = smooth * q * slope
     sums = 2.0 * (qs.sum(axis=1) @ z**2 - np.einsum("ij,ij->j", z, qs @ z))
     gradient = np.empty_like(theta)

@@ -1,17 +1,19 @@
-"""Intervals of a prediction, and whether they hold what they promise.
+"""Prediction intervals of the Gaussian process, and a test of their calibration.
 
-The Gaussian process predicts t with a standard deviation. Its own interval is t +- z(c) times
-that; the *conformal* one replaces the normal quantile by a quantile of what was observed: the
-scores |t_i - mean_i| / deviation_i of rows that were held out in turn, the process fitted again
-without them (cross-conformal: Vovk 2015, Ann. Math. Artif. Intell. 74:9; leaving rows out of a
-process whose parameters saw them would flatter it). Whatever the errors' distribution, it holds
-about a share c of new rows; and where the process is unsure, it is wider.
+The Gaussian process predicts the target t with a mean and a standard deviation. Its own interval
+of level c is mean +- z(c) deviation with the normal quantile z(c). The *conformal* interval
+replaces the normal quantile with an empirical one: a quantile of the scores
+|t_i - mean_i| / deviation_i of rows that are held out in turn, with the process fitted again
+without them (cross-conformal prediction: Vovk 2015, Ann. Math. Artif. Intell. 74:9). Leave-one-out
+residuals of a process whose parameters were fitted to all rows would be too small. The conformal
+interval covers about a share c of new rows for any distribution of the errors, and is wider where
+the process is less certain.
 
-What the interval holds is a new simulation, with the scatter that a simulation has.
+The intervals are for the result of a new simulation, its noise included.
 
-Calibration is tested by nested cross-validation: every row is held out once, the intervals come
-from the others alone, their scores included, and the share of rows inside is compared with c. If
-the rows were independent it would lie within the binomial band in 95 of 100 such tests.
+Calibration is tested by nested cross-validation. Every row is held out once, its interval comes
+from the other rows only, and the share of rows inside the intervals is compared with c. For
+independent rows this share would be inside the binomial band in 95 of 100 such tests.
 """
 
 from __future__ import annotations
@@ -30,15 +32,29 @@ LEVELS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 REPORTED = (0.5, 0.8, 0.95)
 BAND = 0.95
 INNER_FOLDS = 5
-"""Folds of the training rows that scores are taken from when the intervals are tested."""
+"""Folds within the training rows, from which the scores for the test of the intervals come."""
 TOLERANCE = 0.03
-"""Distance from the nominal level that a study of enough rows is held to."""
+"""Largest allowed difference between coverage and nominal level for a study with enough rows."""
 
 
 def held_out_scores(
     given: WearProblem, rows: np.ndarray, fold_count: int = INNER_FOLDS, seed: int = 0
 ) -> np.ndarray:
-    """Scores of rows that a process fitted to the others of ``rows`` did not see, sorted."""
+    """Sorted cross-validation scores |t - mean| / deviation of some rows.
+
+    Parameters
+    ----------
+    given : WearProblem
+    rows : ndarray of int, shape (n,)
+        Rows that are used; each is scored by a process fitted to the other folds.
+    fold_count : int
+    seed : int
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        In ascending order, dimensionless.
+    """
     make = makers(seed)[PROCESS]
     scores = np.empty(len(rows))
     for train, test in folds(len(rows), fold_count, seed):
@@ -48,30 +64,30 @@ def held_out_scores(
 
 
 def _scores(process, given: WearProblem, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """|t - mean| / deviation of rows, and the deviation."""
+    """Scores |t - mean| / deviation of some rows, and their deviations."""
     mean, deviation = process.predict_with_deviation(given.groups[rows])
     return np.abs(given.log_number[rows] - mean) / deviation, deviation
 
 
 def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[pd.DataFrame, dict]:
-    """Coverage of intervals on rows that were held out.
+    """Coverage of the prediction intervals on held-out rows.
 
     Parameters
     ----------
     given : WearProblem
     fold_count : int
-        Every row is held out in one of so many folds.
+        Number of folds; every row is held out in one of them.
     seed : int
 
     Returns
     -------
     calibration : pandas.DataFrame
-        method, level, coverage, band_lower, band_upper (binomial), tested, width: median of the
-        upper end over the prediction less 1.
+        method, level, coverage, band_lower, band_upper (binomial band), tested (number of rows),
+        width (median of upper end / prediction - 1).
     summary : dict
-        ``scores``: held-out scores |t - mean| / deviation of all rows, sorted, which conformal
-        intervals of later predictions use; ``coverage`` at the levels `REPORTED`; ``in_band``,
-        ``within_tolerance``.
+        ``scores``: sorted held-out scores |t - mean| / deviation of all rows, from which the
+        conformal intervals of later predictions are computed; ``coverage`` at the levels
+        `REPORTED`; ``in_band``, ``within_tolerance``.
     """
     make = makers(seed)[PROCESS]
     n = len(given.log_number)

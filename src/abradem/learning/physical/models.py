@@ -1,4 +1,4 @@
-"""The four models on dimensionless groups: their scores, their fits, every target."""
+"""Fit and evaluation of the four models on dimensionless groups, for every wear rate."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ POWER_LAW, PROCESS, BOOSTING, NETWORKS = MODELS = (
 
 
 BEST = PROCESS
+"""The model behind intervals, sensitivity and surrogate."""
 
 
 def makers(seed: int, boosting: dict | None = None, networks: dict | None = None) -> dict:
-    """Constructors of the four models, by name."""
+    """Constructors of the four models, by name; ``boosting`` and ``networks`` are options."""
     return {
         POWER_LAW: PowerLaw,
         PROCESS: lambda: GaussianProcess(seed),
@@ -36,7 +37,7 @@ def makers(seed: int, boosting: dict | None = None, networks: dict | None = None
 
 
 def fitted(make: Callable, given: WearProblem, rows: np.ndarray):
-    """A model fitted to some rows of a problem."""
+    """Fit a new model to some rows of a problem."""
     return make().fit(given.groups[rows], given.log_number[rows], given.error[rows])
 
 
@@ -47,7 +48,16 @@ def evaluate(
     repeats: int = 20,
     seed: int = 0,
 ) -> Results:
-    """Scores of models on the test rows of repeated splits; each sees training rows alone."""
+    """Score models on the test rows of repeated splits; they see training rows only.
+
+    Parameters
+    ----------
+    given : WearProblem
+    models : dict of str to callable
+        Constructors, from `makers`.
+    test_share, repeats, seed
+        See `abradem.learning.protocols.repeated_splits`.
+    """
     results = Results(given.table)
     splits = list(repeated_splits(given.table.keys, test_share, repeats, seed))
     for name, make in models.items():
@@ -70,7 +80,17 @@ def fit_physical(
     seed: int = 0,
     confidence: float = 0.95,
 ) -> tuple[Results, pd.DataFrame, dict, tuple[dict, dict]]:
-    """Scores of the models, and power law and Gaussian process of all rows.
+    """Score the models, and fit power law and Gaussian process to all rows.
+
+    Parameters
+    ----------
+    given : WearProblem
+    models : dict of str to callable
+        Constructors, from `makers`.
+    test_share, repeats, seed
+        See `abradem.learning.protocols.repeated_splits`.
+    confidence : float
+        Central share of the splits that the intervals of the scores contain.
 
     Returns
     -------
@@ -79,8 +99,8 @@ def fit_physical(
         See `PowerLaw.exponents`.
     summary : dict
         ``equation``, ``equation_tex`` and ``scatter`` of the power law; ``lengths`` of the
-        process (in standard deviations of each group), its ``noise``, and ``outliers``, the rows
-        whose weight fell below a half; ``scores`` of each model.
+        process (in standard deviations of each group), its ``noise``, and ``outliers``, the cases
+        with a weight below 0.5; ``raised``, see `WearProblem`; ``scores`` of each model.
     process : tuple of dict
         Description and arrays of the Gaussian process.
     """
@@ -89,7 +109,7 @@ def fit_physical(
     law = fitted(models[POWER_LAW], given, everything)
     process = fitted(models[PROCESS], given, everything)
     scores = {name: scores_of(results.scores, name, LEAKAGE_FREE, confidence) for name in models}
-    # Of a table that was thinned the weights belong to other rows.
+    # If the process was fitted to a subset, its weights do not match the rows.
     doubted = process.weights < 0.5 if len(process.weights) == len(everything) else []
     summary = {
         "equation": law.equation(),
@@ -125,13 +145,25 @@ def all_targets(
     seed: int = 0,
     confidence: float = 0.95,
 ) -> pd.DataFrame:
-    """R2 of every target that the data set holds: each wear measure, each statistic over the plate.
+    """R2 for every wear rate of the data set: each wear measure and statistic over the plate.
+
+    Parameters
+    ----------
+    dataset : pandas.DataFrame
+        See `abradem.learning.physical.problem.problem`.
+    jet : Jet
+    models : dict of str to callable
+        Constructors, from `makers`.
+    test_share, repeats, seed
+        See `abradem.learning.protocols.repeated_splits`.
+    confidence : float
+        Central share of the splits between r2_lower and r2_upper.
 
     Returns
     -------
     pandas.DataFrame
-        target, model, repeats, r2 (median over the splits, raw target), r2_lower, r2_upper,
-        r2_log (median, of ln y), raised (targets that were not positive).
+        target, model, repeats, r2 (median over the splits), r2_lower, r2_upper, r2_log (median R2
+        of ln y), raised (number of targets that were not positive).
     """
     tail = 50.0 * (1.0 - confidence)
     rows = []

@@ -1,18 +1,20 @@
-"""How good any model could be: the same case, simulated again with other seeds.
+"""Noise floor: the largest R2 that any model could reach, from replicate simulations.
 
-A simulated wear rate scatters, as the places of the particles are random. A perfect model would
-predict its expectation, and its R2 on simulated rows would still be less than 1,
+A simulated wear rate is noisy because the particles are released at random positions. Even a
+perfect model, which predicts the expectation, would have an R2 below 1 on simulated rows::
 
-    R2_floor = 1 - sum_i noise_i^2 / sum_i (y_i - mean y)^2.
+    R2_floor = 1 - sum_i noise_i^2 / sum_i (y_i - mean y)^2
 
-Two estimates of the noise are compared. Every case states a standard error from the batches of
-its own record. And some cases are simulated again: the variance over seeds, by the mean square of
-the standard errors stated, is a ratio that would be 1 if the latter are right. It multiplies the
-noise of all cases. Of d degrees of freedom (cases times replicates) its band is
-[d / chi2_d(0.975), d / chi2_d(0.025)] times it; so many replicates as there are, so narrow it is.
+Two estimates of the noise are compared. Every case has a standard error from the batch means of
+its own time series. In addition, some cases are simulated again with other seeds. The ratio of
+the variance over seeds to the mean square of these standard errors is 1 if the standard errors
+are correct. The noise variance of all cases is multiplied by this ratio. With d degrees of freedom
+(cases times replicates), the confidence band of the ratio is
+[d / chi2_d(0.975), d / chi2_d(0.025)] times the ratio; more replicates give a narrower band.
 
-Replicates are made of cases with large particles, evenly over their radii: small particles are many and
-cost minutes a case. Their wear scatters less, and the floor rests on the errors they state.
+Only cases with large particles are replicated, evenly over their radii, because a case with small
+particles has many of them and takes minutes. The wear of small particles is less noisy, and for
+these cases the floor relies on their own standard errors.
 """
 
 from __future__ import annotations
@@ -25,25 +27,27 @@ from scipy import stats
 def noise_floor(
     replicates: pd.DataFrame, dataset: pd.DataFrame, confidence: float = 0.95
 ) -> tuple[pd.DataFrame, dict]:
-    """The best R2 that any model could reach on rows like those of a data set.
+    """Largest R2 that any model could reach on a data set.
 
     Parameters
     ----------
     replicates : pandas.DataFrame
-        From `replicate`.
+        From `abradem.wear.replicates.replicate`.
     dataset : pandas.DataFrame
-        case_id, wear_total_mean and wear_total_mean_stderr of all cases.
+        case_id, wear_total_mean and wear_total_mean_stderr (mm/s) of all cases.
     confidence : float
-        Of the band.
+        Level of the bands.
 
     Returns
     -------
     per_case : pandas.DataFrame
-        case_id, replicates, relative_spread (standard deviation over seeds by the mean),
-        relative_stderr (root mean square of the errors stated, by the mean).
+        case_id, replicates (the original simulation included), relative_spread (standard
+        deviation over seeds divided by the mean), relative_stderr (root mean square of the
+        standard errors divided by the mean).
     summary : dict
-        ``ratio`` with its band, ``r2_floor`` with its band, ``r2_floor_of_stated_errors``,
-        ``r2_log_floor``, ``cases``, ``replicates``, ``degrees_of_freedom``.
+        ``ratio`` and ``r2_floor`` with their bands, ``r2_floor_of_stated_errors`` (for a ratio of
+        1), ``r2_log_floor``, ``cases``, ``replicates``, ``degrees_of_freedom``, ``confidence``,
+        ``median_relative_stderr``.
     """
     own = dataset[["case_id", "wear_total_mean", "wear_total_mean_stderr"]]
     both = pd.concat([replicates, own[own["case_id"].isin(replicates["case_id"])]])

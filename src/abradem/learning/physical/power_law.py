@@ -1,17 +1,18 @@
-"""The power law of the wear, the transparent baseline, with standard errors.
+"""Power law of the wear with standard errors, a transparent baseline.
 
 The logarithm of the wear number y / s is linear in the groups of `abradem.surrogate.groups`, and
-quadratic in the plate angle, on which it depends too strongly for a line::
+quadratic in the plate angle, for which a linear term is not sufficient::
 
     y = s C Fr^a (R/H)^b L^c Ca^d (G*/E*)^f mu_s^g mu_r^h (1+e)^k exp(p cos theta + q phi + r phi^2)
 
-Least squares with the weight 1 / (n^2 + e_i^2) of a row: e_i is the standard error of its
-simulation, n the scatter that the law leaves, found together with the law. Standard errors are
-those of the HC3 sandwich (MacKinnon and White 1985, J. Econometrics 29:305).
+It is fitted by weighted least squares. The weight of a row is 1 / (n^2 + e_i^2), where e_i is the
+relative standard error of its simulation and n the residual scatter, estimated together with the
+law. Standard errors come from the HC3 sandwich estimator (MacKinnon and White 1985,
+J. Econometrics 29:305).
 
-The groups overlap (density stands in L and Ca, speed in Fr, L and Ca), so a reader wants the
-exponents of the quantities themselves. They are sums of those of the groups, `SHARES`, and
-their errors follow from the covariance of the fit.
+The groups share quantities (the density is in L and Ca, the speed in Fr, L and Ca), so the
+exponents of the quantities are reported as well. They are sums of the exponents of the groups
+(`SHARES`), and their standard errors follow from the covariance of the fit.
 """
 
 from __future__ import annotations
@@ -22,9 +23,10 @@ import pandas as pd
 from abradem.surrogate.groups import GROUP_NAMES
 
 ROUNDS = 5
-"""Rounds in which weights and scatter settle."""
+"""Iterations in which the weights and the scatter converge."""
 
 TERMS = (*GROUP_NAMES, "plate_angle_squared")
+"""Terms of the law in the order of its coefficients, without the constant."""
 
 _SPEED, _SIZE, _LOADING, _CAUCHY, _RATIO = range(5)
 
@@ -36,20 +38,20 @@ SHARES: dict[str, tuple[float, dict[int, float]]] = {
     "effective_shear_modulus": (0.0, {_RATIO: 1.0}),
     "archard_constant": (1.0, {}),
 }
-"""Quantity -> exponent that stands in the scale s, and what each group adds to it."""
+"""For each quantity its exponent in the scale s, and its exponent in each group."""
 
 
 class PowerLaw:
-    """The law fitted to groups (n, 10) and the logarithm of the wear number.
+    """Power law fitted to groups (n, 10) and the logarithm of the wear number (n,).
 
     Attributes
     ----------
     coefficients : ndarray, shape (12,)
         ln C, then those of `TERMS`.
     covariance : ndarray, shape (12, 12)
-        HC3; nan if the rows are too few for it.
+        HC3; nan if there are too few rows.
     scatter : float
-        n, relative scatter that the law leaves.
+        n, the residual scatter, relative.
     """
 
     def fit(self, x: np.ndarray, target: np.ndarray, error: np.ndarray) -> PowerLaw:
@@ -60,11 +62,11 @@ class PowerLaw:
             weight = 1.0 / (self.scatter**2 + error**2)
             weight /= weight.max()
             root = np.sqrt(weight)[:, None]
-            # Constant groups make it singular; the least of all solutions is taken.
+            # Constant groups make the system singular: take the minimum-norm solution.
             inverse = np.linalg.pinv(root * design, rcond=1e-10)
             self.coefficients = inverse @ (root[:, 0] * target)
             residual = target - design @ self.coefficients
-            # A moment estimate, the errors of the rows taken off.
+            # Moment estimate of the scatter, without the standard errors of the rows.
             spread = np.sum(weight * (residual**2 - error**2)) / np.sum(weight)
             freedom = max(len(target) - np.linalg.matrix_rank(design), 1)
             spread *= len(target) / freedom
@@ -87,7 +89,8 @@ class PowerLaw:
         Returns
         -------
         pandas.DataFrame
-            term, kind (``quantity`` or ``group``), exponent, standard_error. Of a quantity the exponent is that of the wear itself, with what stands in the scale.
+            term, kind (``quantity`` or ``group``), exponent, standard_error. The exponent of a
+            quantity is that of the wear rate, the scale s included.
         """
         rows = []
         for name, (in_scale, shares) in SHARES.items():
@@ -115,7 +118,7 @@ class PowerLaw:
         )
 
     def equation_tex(self) -> str:
-        """The law as LaTeX, for a paper."""
+        """The law as LaTeX."""
         return self._equation(
             r"\dot h = \frac{{W \dot m v^2}}{{2A}}\, {c}\, {powers}\,"
             r" \exp\left[{exponential}\right]",
@@ -135,7 +138,7 @@ class PowerLaw:
                 bases, values[1 : count + 1], errors[1 : count + 1], strict=True
             )
         ]
-        # cos theta stands last among the groups, the angle before it.
+        # cos theta is the last group, and the plate angle the one before it.
         order = (count + 2, count + 1, count + 3)
         sums = [summand(values[k], errors[k], term) for k, term in zip(order, terms, strict=True)]
         return pattern.format(

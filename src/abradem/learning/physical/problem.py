@@ -1,14 +1,17 @@
-"""The models that learn physics: one problem, one protocol, four models, every target.
+"""The regression problem of the physics-informed models.
 
-Each predicts the logarithm of the wear number from dimensionless groups
-(`abradem.surrogate.groups`) and multiplies the scale back:
+All four models predict the logarithm of the wear number from dimensionless groups
+(`abradem.surrogate.groups`) and multiply by the scale of the wear afterwards:
 
-``power_law``           `abradem.learning.physical.power_law`, transparent
-``gaussian_process``    `abradem.learning.physical.gaussian_process`, the best; decided beforehand, not by
-                        the test rows, and used for intervals, sensitivity and the surrogate
-``boosting``, ``networks``  `abradem.learning.physical.ensembles`
+``power_law``
+    `abradem.learning.physical.power_law`, transparent.
+``gaussian_process``
+    `abradem.learning.physical.gaussian_process`, used for intervals, sensitivity and the
+    surrogate. It was chosen beforehand, not by its score on the test rows.
+``boosting``, ``networks``
+    `abradem.learning.physical.ensembles`.
 
-Scores are those of the leakage-free protocol, on the same splits as the other models of the study.
+They are scored under the leakage-free protocol on the same splits as the other models.
 """
 
 from __future__ import annotations
@@ -29,10 +32,24 @@ HEADLINE = "wear_total_mean"
 class WearProblem(NamedTuple):
     """Rows to learn from, in the order of their case numbers.
 
-    ``inputs`` (n, 14) the sampled quantities, ``groups`` (n, 10), ``scale`` (n,) in mm/s,
-    ``log_number`` (n,) logarithm of the wear number, ``error`` (n,) relative standard error of
-    the simulation (0 where none is known), ``raised`` how many targets were not positive and
-    count as the smallest wear number that is.
+    Attributes
+    ----------
+    table : Table
+        Features and target.
+    inputs : ndarray, shape (n, 14)
+        The sampled quantities in the units of `abradem.quantities`.
+    groups : ndarray, shape (n, 10)
+        The dimensionless groups.
+    scale : ndarray, shape (n,)
+        Scale of the wear depth rate, mm/s.
+    log_number : ndarray, shape (n,)
+        Logarithm of the wear number.
+    error : ndarray, shape (n,)
+        Relative standard error of the simulation; 0 where it is not known.
+    jet : Jet
+    raised : int
+        Number of targets that were not positive; their wear number was raised to the smallest
+        positive one.
     """
 
     table: Table
@@ -45,26 +62,32 @@ class WearProblem(NamedTuple):
     raised: int
 
     def wear(self, rows: np.ndarray, log_number: np.ndarray) -> np.ndarray:
-        """Wear depth rate of rows, mm/s, from the logarithm of the wear number."""
+        """Wear depth rate (n,), mm/s, of rows (n,) with a logarithm of the wear number (n,)."""
         return self.scale[rows] * np.exp(log_number)
 
 
 def problem(
     dataset: pd.DataFrame, jet: Jet, target: str = HEADLINE, name: str = "dataset", fewest: int = 3
 ) -> WearProblem:
-    """What the models of this module learn from.
+    """Regression problem of a data set.
 
     Parameters
     ----------
     dataset : pandas.DataFrame
-        Holds case_id, the 20 features and ``target``, and of simulations the standard error.
+        Holds case_id, the 20 features and ``target``; simulated data sets also hold the standard
+        error.
     jet : Jet
     target : str
         A wear-rate column, mm/s.
     name : str
-        What the scores call the table.
+        Name of the data set in the scores.
     fewest : int
-        Least number of rows.
+        Smallest number of rows accepted.
+
+    Raises
+    ------
+    ValueError
+        If no target is positive, or the data set is refused by `learning_table`.
     """
     table = learning_table(dataset, target, name, fewest)
     rows = dataset.sort_values("case_id", ignore_index=True)
@@ -74,7 +97,7 @@ def problem(
     positive = number > 0.0
     if not positive.any():
         raise ValueError(f"dataset: {target} is nowhere positive, there is nothing to learn")
-    # What a statistic over facets says of a plate that stays untouched.
+    # Statistics over facets, such as p99, are 0 if most facets are not hit.
     number = np.where(positive, number, number[positive].min())
     error = np.zeros(len(rows))
     if target == HEADLINE and STDERR in rows:

@@ -1,4 +1,4 @@
-"""How far the models carry: with fewer cases, and beyond the ranges they learned from."""
+"""Learning curves (fewer training cases) and extrapolation beyond the training ranges."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from abradem.quantities import SAMPLED_NAMES
 from abradem.surrogate.model import conformal_quantile
 
 SMALLEST = 25
-"""Training rows that a learning curve begins with."""
+"""Number of training rows at the start of a learning curve."""
 
 FEWEST_TRAINED, FEWEST_TESTED = 8, 5
-"""Rows that a test of extrapolation needs."""
+"""Smallest numbers of training and test rows in a test of extrapolation."""
 
 LEVEL = 0.95
-"""Level of the intervals whose coverage beyond the ranges is told."""
+"""Level of the intervals whose coverage beyond the ranges is computed."""
 
 
 class Beyond(NamedTuple):
-    """Rows held out because one quantity is beyond a bound."""
+    """A test of extrapolation: rows with one quantity beyond a bound are held out."""
 
     name: str
     quantity: str
@@ -44,7 +44,7 @@ TESTS = (
 
 
 def sizes(most: int) -> list[int]:
-    """Numbers of training rows, doubled from `SMALLEST`, the last being all."""
+    """Numbers of training rows: doubled from `SMALLEST` on, with all ``most`` rows last."""
     found = []
     size = SMALLEST
     while size < 0.75 * most:
@@ -61,12 +61,22 @@ def learning_curve(
     seed: int = 0,
     confidence: float = 0.95,
 ) -> pd.DataFrame:
-    """R2 on the same held-out rows for more and more training rows.
+    """R2 on the same held-out rows for increasing numbers of training rows.
+
+    Parameters
+    ----------
+    given : WearProblem
+    models : dict of str to callable
+        Constructors, from `abradem.learning.physical.models.makers`.
+    test_share, repeats, seed
+        See `abradem.learning.protocols.repeated_splits`.
+    confidence : float
+        Central share of the splits between r2_lower and r2_upper.
 
     Returns
     -------
     pandas.DataFrame
-        model, trained, repeats, r2 (median over the splits, raw target), r2_lower, r2_upper.
+        model, trained (number of rows), repeats, r2 (median over the splits), r2_lower, r2_upper.
     """
     y = given.table.target
     splits = list(repeated_splits(given.table.keys, test_share, repeats, seed))
@@ -85,16 +95,24 @@ def learning_curve(
 
 
 def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) -> pd.DataFrame:
-    """Scores on rows beyond a bound, of models that learned from the others.
+    """Scores on rows beyond a bound, for models trained on the other rows.
 
-    Beside each stands the score on the same rows by cross-validation over all rows, what the
-    model is worth there when it has seen such cases.
+    For comparison, the same rows are also predicted by cross-validation over all rows, that is by
+    models that were trained on similar cases.
+
+    Parameters
+    ----------
+    given : WearProblem
+    models : dict of str to callable
+        Constructors, from `abradem.learning.physical.models.makers`.
+    seed : int
 
     Returns
     -------
     pandas.DataFrame
-        test, words, model, trained, tested, r2, mape, coverage (of the process's 95 % intervals,
-        nan of others), within_r2, within_mape.
+        test, words, model, trained, tested (numbers of rows), r2, mape, coverage (of the 95 %
+        intervals of the Gaussian process; nan for other models), within_r2, within_mape (by
+        cross-validation). Tests with too few rows are left out.
     """
     y = given.table.target
     everything = np.arange(len(y))
@@ -131,7 +149,7 @@ def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) 
 def _cross_validated(
     given: WearProblem, make: Callable, wanted: np.ndarray, seed: int
 ) -> np.ndarray:
-    """Predicted wear of some rows, each by a model that did not see it."""
+    """Predicted wear of some rows by cross-validation over all rows."""
     n = len(given.log_number)
     predicted = np.empty(n)
     for train, test in folds(n, 5, seed):

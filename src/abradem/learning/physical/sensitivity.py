@@ -1,16 +1,17 @@
-"""Which quantities decide the wear: three answers to three questions.
+"""Sensitivity of the wear to the sampled quantities, by three measures.
 
-*Sobol indices* split the variance of the prediction over the ranges of the study. First order:
-what a quantity explains alone; total order: with all it acts together with (Sobol 2001, Math.
-Comput. Simul. 55:271; estimators of Saltelli et al. 2010, Comput. Phys. Commun. 181:259, as in
-`scipy.stats.sobol_indices`). They need independent inputs, hence the 14 sampled quantities and
-not the 20 features. They are those of the model; their intervals are of the integration alone.
+*Sobol indices* decompose the variance of the prediction over the ranges of the study. The
+first-order index is the share explained by a quantity alone, the total index includes its
+interactions (Sobol 2001, Math. Comput. Simul. 55:271; estimators of Saltelli et al. 2010, Comput.
+Phys. Commun. 181:259, as in `scipy.stats.sobol_indices`). They require independent inputs, so
+they are computed for the 14 sampled quantities and not for the 20 features. The indices are those
+of the model; their intervals cover the error of the integration only.
 
-*Permutation importance* is how much R2 falls on held-out rows when a quantity is shuffled among
-them: what a good model loses without it.
+*Permutation importance* is the fall of R2 on held-out rows when the values of a quantity are
+shuffled among them (Breiman 2001, Machine Learning 45:5).
 
 *Partial dependence* is the geometric mean of the predicted wear over the cases, with one quantity
-set to a value for all.
+set to the same value in all of them (after Friedman 2001, Ann. Stat. 29:1189).
 """
 
 from __future__ import annotations
@@ -31,23 +32,23 @@ from abradem.quantities import SAMPLED, SAMPLED_NAMES
 from abradem.surrogate.groups import group_matrix, wear_scale
 
 PAPER = ("archard_constant", "plate_angle", "particle_radius", "particle_velocity_y")
-"""The predictors that the study found to dominate."""
+"""The dominant predictors according to the paper."""
 
 PERMUTATIONS = 5
 GRID = 17
 MOST_ROWS = 300
-"""Cases that a partial dependence is averaged over."""
+"""Largest number of cases over which a partial dependence is averaged."""
 
 
 def predicted_wear(process: GaussianProcess, given: WearProblem, inputs: np.ndarray) -> np.ndarray:
-    """Wear depth rate, mm/s, of the sampled quantities (n, 14)."""
+    """Predicted wear depth rate (n,), mm/s, for sampled quantities (n, 14)."""
     values = dict(zip(SAMPLED_NAMES, inputs.T, strict=True))
     return wear_scale(values, given.jet) * np.exp(process.predict(group_matrix(values, given.jet)))
 
 
 @contextmanager
 def _global_seed(seed: int) -> Iterator[None]:
-    """numpy's global generator at a seed, put back afterwards: scipy's bootstrap takes no other."""
+    """Seed numpy's global generator, which scipy's bootstrap uses, and restore it afterwards."""
     before = np.random.get_state()  # noqa: NPY002
     np.random.seed(seed % 2**32)  # noqa: NPY002
     try:
@@ -71,11 +72,11 @@ def sobol(
     process : GaussianProcess
         Fitted to all rows of ``given``.
     given : WearProblem
-        Gives the ranges of the quantities.
+        Its inputs give the ranges of the quantities.
     points : int
-        Base points, a power of two; the model is evaluated at 16 times as many.
+        Number of base points, a power of two; the model is evaluated at up to 16 times as many.
     resamples : int
-        Bootstrap draws behind the intervals.
+        Number of bootstrap resamples for the intervals.
     confidence : float
     seed : int
 
@@ -103,7 +104,7 @@ def sobol(
         rng=np.random.default_rng(seed),
     )
     with warnings.catch_warnings(), _global_seed(seed):
-        # A quantity without any effect has no scatter to draw an interval from.
+        # The bootstrap warns about quantities without effect, whose indices do not vary.
         warnings.simplefilter("ignore")
         spread = found.bootstrap(confidence_level=confidence, n_resamples=resamples)
     rows = []
@@ -129,11 +130,17 @@ def permutation(
 ) -> pd.DataFrame:
     """Fall of R2 on held-out rows when a quantity is shuffled among them.
 
+    Parameters
+    ----------
+    given : WearProblem
+    test_share, repeats, seed
+        See `abradem.learning.protocols.repeated_splits`.
+
     Returns
     -------
     pandas.DataFrame
-        feature, fall of R2 (mean over splits and shuffles), fall_lower, fall_upper (least and
-        most of the splits).
+        feature, fall (of R2, mean over splits and shuffles), fall_lower, fall_upper (smallest and
+        largest of the splits).
     """
     make = makers(seed)[PROCESS]
     falls = np.zeros((repeats, len(SAMPLED_NAMES)))
@@ -160,7 +167,14 @@ def permutation(
 
 
 def partial_dependence(process: GaussianProcess, given: WearProblem, seed: int = 0) -> pd.DataFrame:
-    """Geometric mean of the predicted wear with one quantity set.
+    """Geometric mean of the predicted wear over the cases, with one quantity set to a value.
+
+    Parameters
+    ----------
+    process : GaussianProcess
+    given : WearProblem
+    seed : int
+        Seed of the choice of at most `MOST_ROWS` cases.
 
     Returns
     -------
@@ -181,7 +195,7 @@ def partial_dependence(process: GaussianProcess, given: WearProblem, seed: int =
 
 
 def verdict(indices: pd.DataFrame) -> dict:
-    """Which quantities the numbers name, and whether they are those of the study.
+    """Dominant quantities by total Sobol index, compared with those of the paper.
 
     Parameters
     ----------
@@ -191,9 +205,9 @@ def verdict(indices: pd.DataFrame) -> dict:
     Returns
     -------
     dict
-        ``dominant`` (the four largest total indices of the wear), ``paper`` (the four of the
-        study), ``shared``, ``agrees`` (the same four), ``hardly_any_effect`` (total index of the
-        log wear below 0.01).
+        ``dominant`` (the four largest total indices of the wear), ``paper`` (the four named in
+        the paper), ``shared``, ``agrees`` (whether they are the same), ``hardly_any_effect``
+        (total index of the log wear below 0.01).
     """
     wear = indices[indices["explained"] == "wear"].sort_values("total", ascending=False)
     logarithm = indices[indices["explained"] == "log wear"]

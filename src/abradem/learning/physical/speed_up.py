@@ -1,4 +1,4 @@
-"""Engine and surrogate timed on the same cases, one after the other, on one core."""
+"""Computing times of engine and surrogate for the same cases, measured in turn on one core."""
 
 from __future__ import annotations
 
@@ -14,41 +14,42 @@ from abradem.quantities import SAMPLED_NAMES
 from abradem.surrogate.model import Surrogate
 
 BATCH = 200_000
-"""Cases of the batch."""
+"""Number of cases predicted in one call."""
 
 SINGLES = 200
-"""Predictions of one case, one by one."""
+"""Number of single-case predictions that are timed."""
 
 WARM_UP = 0.1
-"""Simulated seconds before the first that counts."""
+"""Simulated time of the warm-up run, s."""
 
 ROUNDS = 3
-"""The best of so many rounds: what else the machine does only makes it slower."""
+"""Timed repetitions, of which the fastest counts, as other processes can only slow them down."""
 
 
 def time_both(
     dataset: pd.DataFrame, count: int, setup: Mapping, surrogate: Surrogate, seed: int = 0
 ) -> dict:
-    """Seconds that a case takes, simulated and predicted.
+    """Computing time of a case, simulated and predicted.
 
     Parameters
     ----------
     dataset : pandas.DataFrame
-        Cases that ended well; ``count`` of them are taken, evenly over the ranks of the radii,
-        which decide what a simulation costs, the middle of each part.
+        Completed cases. ``count`` of them are taken at even ranks of the particle radius, which
+        dominates the cost of a simulation.
     count : int
     setup : mapping
         Plain values of the `Setup`.
     surrogate : Surrogate
     seed : int
-        Of the batch.
+        Seed of the draw of the cases predicted in one call.
 
     Returns
     -------
     dict
-        ``cases``; ``simulated_seconds`` (median and mean of a case), ``predicted_seconds`` (median
-        of one case at a time), ``predictions_per_second`` (in a batch of ``batch``), ``speed_up``
-        (mean simulation over one prediction) and ``speed_up_of_a_batch``.
+        ``cases``; ``radii`` (m); ``simulated_seconds`` (mean, median and each case),
+        ``predicted_seconds`` (median of single-case predictions), ``predictions_per_second`` (in
+        a call with ``batch`` cases), ``speed_up`` (mean simulation time over the time of a
+        single prediction) and ``speed_up_of_a_batch``.
     """
     from abradem.dem import simulate
 
@@ -56,7 +57,7 @@ def time_both(
     places = ((np.arange(count) + 0.5) / count * len(rows)).astype(int)
     cases = rows.iloc[places].to_dict("records")
     settings = Setup.from_dict(setup)
-    # The compiled engine is loaded, or made, before the clock starts.
+    # Load or compile the engine before the timing starts.
     simulate(Case.from_row(cases[0]), dataclasses.replace(settings, duration=WARM_UP))
     seconds = []
     for case in cases:
