@@ -2,9 +2,10 @@
 
     python benchmarks/cost.py results/benchmarks
 
-writes ``counts.csv`` (cost against the particles present, by us and by installed peers), ``times.csv``
-(cost against simulated time), ``rates.csv`` (steps of particles and contacts a second, share of
-the limit), ``contact.csv`` (cost of one contact in one step) and their figures. With ``--images``
+writes ``counts.csv`` (cost against the particles present, of this engine and of installed peers),
+``times.csv`` (cost against simulated time), ``rates.csv`` (steps of particles and contacts a
+second, share of the limit), ``contact.csv`` (cost of one contact in one step) and their figures.
+With ``--images``
 small copies of the figures go into a second folder.
 
 The limit is the number of steps of particles in contact, of contacts with the plate and of
@@ -68,7 +69,7 @@ class Census:
         )
 
     def means(self) -> dict:
-        """Mean numbers of particles present, particles in contact, contacts with the plate, pairs."""
+        """Mean numbers of particles present and in contact, plate contacts and pairs."""
         names = ("particles", "touching", "plate", "pairs")
         return dict(zip(names, np.mean(self.rows, axis=0).tolist(), strict=True))
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from cost import save_image
-from speed import particle
+from speed import particle as limestone
 
 from abradem import Setup
 from abradem.dem.simulation import Engine
@@ -83,7 +83,7 @@ def main(path: Path) -> None:
         removal_depth=0.03, mass_rate=None, number_rate=60.0, duration=0.25,
         time_step_fraction=0.2,
     )  # fmt: skip
-    case = replace(particle(0.01, 5.0), particle_velocity_y=-1.0, restitution=0.3)
+    case = replace(limestone(0.01, 5.0), particle_velocity_y=-1.0, restitution=0.3)
     spans, contacts = watched(case, setup)
     spans["lasts"] = spans["end"] - spans["begin"]
     shares = spans.groupby("does")["lasts"].sum() / spans["lasts"].sum()
@@ -93,7 +93,7 @@ def main(path: Path) -> None:
 
 
 def zooms_of(contacts: pd.DataFrame, duration: float):
-    """All of the time, the 20 ms with most contacts between particles, the busiest 1 ms of these."""
+    """The whole time, the 20 ms with most particle contacts, and the busiest 1 ms of these."""
     zooms = [(0.0, duration)]
     for width in (20e-3, 1e-3):
         low, high = zooms[-1]

@@ -3,14 +3,14 @@
 Each peer gets an input script of ours: Hertz-Mindlin contacts with rolling friction, the plate as
 one wall of limited size, particles put in at the steps, places and velocities at which our engine
 released them, and taken out below the same level. No wear, no dumps, one core. The time of a peer
-is the sum of what its log calls loop time: wear measure scripts, set-up and putting particles in are not
-in it, nor are the pair lists that it makes at the begin of a run.
+is the sum of the loop times in its log. Reading scripts, set-up, insertion of particles and the
+pair lists built at the start of a run are not included.
 
 What differs: LIGGGHTS takes the displacement law with uncapped damping, LAMMPS the incremental
 law; both let contacts attract at their end, which gives the same restitution as our default. Both
 resist relative rolling, LIGGGHTS in proportion to the elastic force alone, LAMMPS by a spring and
-slider; ours slows each particle's own spin in proportion to the whole normal force. Therefore beds of
-the peers hold some per cent fewer particles, to their advantage.
+slider; ours slows the spin of each particle in proportion to the whole normal force. Beds of the
+peers therefore hold some per cent fewer particles, to their advantage.
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ region box block {box} units box
 create_box 2 box
 neighbor {skin!r} bin
 neigh_modify delay 0
-fix m1 all property/global youngsModulus peratomtype {particle.youngs_modulus} {plate.youngs_modulus}
+fix m1 all property/global youngsModulus peratomtype {moduli[0]} {moduli[1]}
 fix m2 all property/global poissonsRatio peratomtype {particle.poisson_ratio} {plate.poisson_ratio}
 fix m3 all property/global coefficientRestitution peratomtypepair 2 {restitution}
 fix m4 all property/global coefficientFriction peratomtypepair 2 {friction}
@@ -219,7 +219,8 @@ def liggghts_script(case: Case, setup: Setup, poured: Pour, skin: float) -> str:
     low, high = _room(case, poured)
     low[1] = poured.problem.removal_height
     head = LIGGGHTS.format(
-        box=_box(low, high), skin=skin, particle=case.particle, plate=case.plate,
+        box=_box(low, high), skin=skin, particle=case.particle,
+        moduli=(case.particle.youngs_modulus, case.plate.youngs_modulus), plate=case.plate,
         restitution=_four(case.restitution), friction=_four(case.static_friction),
         rolling=_four(case.rolling_friction), dt=poured.problem.dt, gravity=setup.gravity,
     )  # fmt: skip
@@ -296,7 +297,7 @@ def _vector(values) -> str:
 
 
 def _releases(case: Case, poured: Pour, place, velocity) -> str:
-    """Runs between the releases; time begins with the first particle, as nothing is there before."""
+    """Runs between the releases; time begins with the first particle."""
     lines, now = [], poured.step[0]
     size = f"diameter {2.0 * case.particle_radius!r} density {case.particle_density!r}"
     for i, step in enumerate(poured.step):

@@ -37,7 +37,7 @@ MOST_GROWTH = 0.1
 none: the allocator keeps what the largest case needed."""
 
 MOST_STEPS = 300_000
-"""Steps of a case beyond which another is drawn: a bed of the hardest particles would take hours."""
+"""Most steps of a case; a bed of the hardest particles would take hours, so another is drawn."""
 
 COLUMNS = ("elapsed_s", "case_s", "simulated_s", "memory_mb", "status", "problems")
 

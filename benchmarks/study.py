@@ -54,7 +54,7 @@ def size(paths) -> int:
 
 
 def presence(folder: Path, study: Study) -> pd.DataFrame:
-    """Processor time of every case, and particles present times steps, what a crowd's cost follows."""
+    """Processor time of every case, and its particles present times steps."""
     found = []
     for job, runs, times in zip(study.jobs, study.runs, study.times, strict=True):
         series = read_table(folder / "series" / f"{job}.parquet", ("case_id", "particles_present"))

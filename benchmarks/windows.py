@@ -5,7 +5,7 @@
 
 The first replays the stop rule (docs/method.md) on the stored series of a study with windows of 1,
 2 and 3 s, and compares the rates with those of its own window. The second simulates beds, small
-particles on nearly level plates, for `LONG` seconds, and compares the rate with which the rule stops
+particles on nearly level plates, for `LONG` seconds, and compares the rate at which the rule stops
 with the mean of the second half.
 """
 

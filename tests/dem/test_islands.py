@@ -174,7 +174,7 @@ def test_simulate_gives_the_same_result_with_both_steppings():
 
 
 def test_room_can_be_made_at_any_time():
-    """Over 256 particles are looked up in a grid, which must not outlive the room it was made in."""
+    """More than 256 particles use a grid, which must not outlive the arrays it was made for."""
     case = dataclasses.replace(
         CASE, particle_radius=0.006, particle_velocity_y=-0.05, plate_angle=34.0
     )

@@ -43,7 +43,8 @@ def results():
         {
             "model": models, "printed_r2": [0.68, -0.21, math.nan],
             "as_published_r2": [0.54, -0.24, 0.93], "leakage_free_r2": [0.6, math.nan, 0.9],
-            "leakage_free_lower": [0.3, math.nan, -4e9], "leakage_free_upper": [0.7, math.nan, 0.94],
+            "leakage_free_lower": [0.3, math.nan, -4e9],
+            "leakage_free_upper": [0.7, math.nan, 0.94],
             "basis": ["repeated splits", "", "fixed split"],
         }
     )  # fmt: skip

@@ -8,8 +8,9 @@ import pytest
 
 
 def run(tmp_path, code):
+    code = f"from abradem.running.job_log import log_to\nlog_to('job.log')\n{code}"
     return subprocess.run(
-        [sys.executable, "-c", f"from abradem.running.job_log import log_to\nlog_to('job.log')\n{code}"],
+        [sys.executable, "-c", code],
         cwd=tmp_path, capture_output=True, text=True, check=False,
     )  # fmt: skip
 

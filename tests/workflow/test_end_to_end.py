@@ -32,6 +32,7 @@ GROWN = (SMOKE, "studies/smoke_grown.yaml")
 BLOCKS, BATCHES_PER_BLOCK = 2, 2
 BATCHES = BLOCKS * BATCHES_PER_BLOCK
 
+
 def each(*rules):
     """One job of each rule."""
     return dict.fromkeys(rules, 1)
@@ -227,8 +228,11 @@ def test_a_touch_reruns_nothing(project):
     assert project.pending() == {}
 
 
-@pytest.mark.parametrize("stage", ["sampling", "simulation", "wear", "dataset", "baselines", "physical", "learning", "figures",
-     "documents"])
+@pytest.mark.parametrize(
+    "stage",
+    ["sampling", "simulation", "wear", "dataset", "baselines", "physical", "learning", "figures",
+     "documents"],
+)  # fmt: skip
 def test_each_stage_is_a_target(project, stage):
     assert project.pending(stage) == {}
 
@@ -676,7 +680,8 @@ def test_models_killed_in_their_training_and_trained_on_one_core_are_the_same(pr
 
 def test_a_failing_step_is_one_line_and_leaves_the_failures(project):
     with project.edited(
-        "src/abradem/dataset/join.py", "    missing = [name for name in DATASET_COLUMNS if name not in",
+        "src/abradem/dataset/join.py",
+        "    missing = [name for name in DATASET_COLUMNS if name not in",
         "    raise TableError('case 3 is odd')\n"
         "    missing = [name for name in DATASET_COLUMNS if name not in",
     ):  # fmt: skip

@@ -24,7 +24,8 @@ class Section(BaseModel):
 
 def _key(default: Any, description: str, *, unit: str = "", allowed: str = "", **bounds) -> Any:
     """Return a field with its help text, its unit and, if bounds do not suffice, its limits."""
-    extra: dict[str, Any] = {name: text for name, text in (("unit", unit), ("allowed", allowed)) if text}
+    given = {"unit": unit, "allowed": allowed}
+    extra: dict[str, Any] = {name: text for name, text in given.items() if text}
     return Field(default, description=description, json_schema_extra=extra or None, **bounds)
 
 

@@ -203,7 +203,8 @@ def _source(name: str, mapped, table: pd.DataFrame, units: dict[str, str]):
         column = there[0]
         if len(there) > 1:
             both = " and ".join(map(repr, there))
-            return None, None, f"columns {both} both contain {name}; choose one with dataset.columns"
+            problem = f"columns {both} both contain {name}; choose one with dataset.columns"
+            return None, None, problem
     if list(table.columns).count(column) > 1:
         return None, None, f"column {column!r} appears twice"
     ours = COLUMNS[name].unit

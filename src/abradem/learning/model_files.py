@@ -61,6 +61,7 @@ def about(
     rows = np.arange(len(table.target)) if rows is None else rows
     columns = np.arange(len(FEATURE_NAMES)) if columns is None else columns
     of_features, of_target = scalers
+    means, scales = np.atleast_1d(of_features.mean), np.atleast_1d(of_features.scale)
     features = []
     for place, column in enumerate(columns):
         row, values = quantity(FEATURE_NAMES[column]), table.features[rows, column]
@@ -69,8 +70,8 @@ def about(
                 "symbol": row.symbol,
                 "name": row.name,
                 "unit": row.unit,
-                "mean": of_features.mean[place],
-                "scale": of_features.scale[place],
+                "mean": means[place],
+                "scale": scales[place],
                 "training_range": [values.min(), values.max()],
             }
         )

@@ -52,8 +52,8 @@ class Scaler(NamedTuple):
     mean, scale : ndarray, shape (p,) or ()
     """
 
-    mean: np.ndarray
-    scale: np.ndarray
+    mean: np.ndarray | np.float64
+    scale: np.ndarray | np.float64
 
     def forward(self, values: np.ndarray) -> np.ndarray:
         """Scale values."""

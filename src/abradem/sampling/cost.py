@@ -25,7 +25,7 @@ BED_RADIUS = 0.01
 BED_RADIUS_EXPONENT = 1.55
 BED_ANGLE = 8.0
 BED_SPEED = 1.56
-"""Decrease of the probability and the cost of a bed: a power of the radius over `BED_RADIUS`, m, and
+"""Decrease of the probability and cost of a bed: a power of the radius over `BED_RADIUS`, m, and
 exponential in the plate angle, deg, and in the impact speed, m/s. These constants and the two times
 were fitted, in logarithms, to the 200 cases of the paper's study. benchmarks/order.py compares the
 estimate with the times of a finished study and fits the constants to them."""

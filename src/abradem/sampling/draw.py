@@ -94,7 +94,7 @@ def block_cases(
 
 
 def case_seed(study_seed: int, case_id: int) -> int:
-    """Return the seed of a case: 63 bits of a hash, so seeds of neighbouring cases are unrelated."""
+    """Return the seed of a case: 63 bits of a hash, so seeds of neighbours are unrelated."""
     digest = hashlib.sha256(_SEED_TAG + f" {study_seed} {case_id}".encode()).digest()
     return int.from_bytes(digest[:8], "little") >> 1
 

@@ -27,7 +27,7 @@ TABLES = ("series", "maps", "runs")
 """Tables with the result of a case."""
 
 FILES = ("series", "maps", "times", "runs")
-"""Tables that are saved for a case, in the order of writing: if ``runs`` exists, so do the others."""
+"""Tables saved for a case, in the order of writing: if ``runs`` exists, so do the others."""
 
 
 STARTED = "started"

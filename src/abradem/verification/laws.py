@@ -188,7 +188,9 @@ def plane_checks() -> list[Check]:
         exactly = exact.incline_acceleration(angle, 0.3, mu_r, GRAVITY)
         ours = incline(SOFT.with_interaction(rolling_friction=mu_r), angle)
         checks.append(
-            Check(f"incline {angle:g} deg, mu_r = {mu_r:g}: {words}", ours, exactly, ROUNDING, "m/s2")
+            Check(
+                f"incline {angle:g} deg, mu_r = {mu_r:g}: {words}", ours, exactly, ROUNDING, "m/s2"
+            )
         )
     rests = abs(incline(SOFT.with_interaction(rolling_friction=0.1), 5.0))
     checks.append(Check("incline 5 deg, mu_r = 0.1: rests", rests, 0.0, CREEP, "m/s2", "absolute"))

@@ -69,7 +69,7 @@ def single_impacts() -> pd.DataFrame:
 
 
 def mean_bias(impacts: pd.DataFrame) -> pd.DataFrame:
-    """Bias of the wear measures summed over the angles, by speed, restitution, wear measure, fraction."""
+    """Bias summed over the angles, by speed, restitution, wear measure and fraction."""
     keys = ["speed", "restitution", "measure", "fraction"]
     frame = impacts.groupby(keys, sort=False)[["ours", "exact"]].sum().reset_index()
     frame["bias"] = frame["ours"] / frame["exact"] - 1.0
@@ -121,7 +121,7 @@ STATED = {
     ("total", 0.2): 0.013, ("sliding", 0.2): 0.026, ("friction", 0.2): 0.001,
     ("total", 0.15): 0.008, ("sliding", 0.15): 0.010, ("friction", 0.15): 0.000,
 }  # fmt: skip
-"""Largest bias over speeds and restitutions, by wear measure and step, as docs/method.md states it."""
+"""Largest bias over speeds and restitutions by wear measure and step, as in docs/method.md."""
 
 STATED_JET = {
     ("total", 0.2): -0.017, ("sliding", 0.2): 0.021, ("friction", 0.2): 0.008,

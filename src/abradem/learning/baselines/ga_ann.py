@@ -49,7 +49,7 @@ from abradem.quantities import FEATURE_NAMES, quantity
 
 MODEL = "ga_ann"
 PAPER_NET = "paper_net"
-UNSCALED = Scaler(np.array(0.0), np.array(1.0))
+UNSCALED = Scaler(np.float64(0.0), np.float64(1.0))
 """Scaler that leaves values as they are."""
 
 

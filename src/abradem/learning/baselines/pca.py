@@ -353,7 +353,7 @@ def _model(
         MODEL,
         LEAKAGE_FREE,
         "linear",
-        (of_x, Scaler(np.array(intercept), np.array(1.0))),
+        (of_x, Scaler(np.float64(intercept), np.float64(1.0))),
         components=count,
         confidence=confidence,
         scores=scores_of(results.scores, MODEL, LEAKAGE_FREE, confidence),

@@ -79,7 +79,7 @@ def distil(
     }
     fresh = _points(low, high, CHECKED, seed + 1, given)
     away = np.abs(networks["mean"].predict(scaler.forward(fresh)) - process.predict(fresh))
-    arrays = {"group_mean": scaler.mean, "group_scale": scaler.scale}
+    arrays = {"group_mean": np.asarray(scaler.mean), "group_scale": np.asarray(scaler.scale)}
     for name, network in networks.items():
         arrays.update({f"{name}_{key}": array for key, array in network.arrays().items()})
     return arrays, {"rms": float(np.sqrt(np.mean(away**2))), "largest": float(away.max())}
