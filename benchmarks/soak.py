@@ -5,7 +5,7 @@
 Every case is drawn from all that the physical limits allow, much wider than a study: hard and
 soft, e from 0.05 to 1, friction from 0, all angles, both steppings, all contact laws. Each must
 end with numbers or with a name. Checked of each: all numbers finite, no wear is taken back, the
-facets hold the wear of the plate, the book of energy holds (what came in is there, has left, or
+facets hold the wear of the plate, the energy balance holds (what came in is there, has left, or
 was dissipated; nothing is gained). At the end the memory of the process must not have grown.
 """
 
@@ -87,7 +87,7 @@ def problems_of(result) -> list[str]:
         found.append("facets do not hold the wear of the plate")
     book = result.energy
     if result.status == "ok" and not all(map(math.isfinite, book.values())):
-        found.append("the book of energy is not finite")
+        found.append("the energy balance is not finite")
     if result.status == "ok" and book["dissipated"] < -ENERGY_TOLERANCE * abs(book["inserted"]):
         found.append(f"energy gained: {book}")
     return found

@@ -84,7 +84,7 @@ def main() -> None:
     stored += size((folder / "cases").glob("*.parquet"))
     files = [path for path in folder.rglob("*") if path.is_file()]
     cases = presence(folder, study)
-    dear = cases.nlargest(max(1, len(cases) // 100), "processor_time")
+    costly = cases.nlargest(max(1, len(cases) // 100), "processor_time")
     print(f"cases: {len(runs)}, simulated: {(runs['status'] == 'ok').sum()}")
     print(f"simulated: {runs['simulated_time'].sum():.0f} s, {steps / 1e9:.2f} billion steps")
     print(f"particles released: {runs['released'].sum() / 1e6:.2f} million")
@@ -92,13 +92,13 @@ def main() -> None:
     print(
         f"a case: mean {seconds.mean():.2f}, median {seconds.median():.2f}, "
         f"most {seconds.max():.0f} s of computing; the most expensive hundredth takes "
-        f"{100 * dear['processor_time'].sum() / seconds.sum():.0f} % of all"
+        f"{100 * costly['processor_time'].sum() / seconds.sum():.0f} % of all"
     )
-    each = 1e9 * dear["processor_time"] / dear["particle_steps"]
+    each = 1e9 * costly["processor_time"] / costly["particle_steps"]
     print(
         f"particles present times steps: {cases['particle_steps'].sum() / 1e9:.0f} billion; in the "
-        f"most expensive hundredth {dear['particle_steps'].sum() / 1e9:.0f} billion, of "
-        f"{1e9 * dear['processor_time'].sum() / dear['particle_steps'].sum():.0f} ns each "
+        f"most expensive hundredth {costly['particle_steps'].sum() / 1e9:.0f} billion, of "
+        f"{1e9 * costly['processor_time'].sum() / costly['particle_steps'].sum():.0f} ns each "
         f"({each.min():.0f} to {each.max():.0f} in single cases)"
     )
     print(

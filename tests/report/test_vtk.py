@@ -122,9 +122,9 @@ def test_vtk_itself_reads_the_same(folder):
     assert plate.GetNumberOfCells() == 8
     depth = vtk_to_numpy(plate.GetCellData().GetArray("depth_total"))
     np.testing.assert_array_equal(depth, arrays(folder / "plate_00001.vtp")["depth_total"])
-    stones = read("particles_00001.vtp")
-    assert stones.GetNumberOfPoints() == stones.GetNumberOfVerts() == 3
-    assert stones.GetPointData().GetArray("velocity").GetNumberOfComponents() == 3
+    points = read("particles_00001.vtp")
+    assert points.GetNumberOfPoints() == points.GetNumberOfVerts() == 3
+    assert points.GetPointData().GetArray("velocity").GetNumberOfComponents() == 3
     assert read("particles_00000.vtp").GetNumberOfPoints() == 0
 
 

@@ -35,7 +35,7 @@ run_batch(cases, setup, {name: f"{name}.parquet" for name in FILES}, "finished/b
 """A batch in a process of its own, under a limit."""
 
 
-def shard(folder, kind, most, setup=SETUP):
+def batch_job(folder, kind, most, setup=SETUP):
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
     return subprocess.run(
         [sys.executable, "-c", LIMITED, kind, str(most), repr(list(setup.items()))],
@@ -57,19 +57,19 @@ def cases(tmp_path):
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of resources are of Unix")
 def test_a_disk_that_fills_up_is_one_line_and_the_batch_goes_on_later(cases, tmp_path):
     """No file may grow beyond a limit that a series needs: the same error paths as a full disk."""
-    refused = shard(tmp_path, "file", 4000)
+    refused = batch_job(tmp_path, "file", 4000)
     assert refused.returncode != 0
     (line,) = refused.stderr.splitlines()
     assert os.strerror(errno.EFBIG) in line and ".parquet" in line and "job.log" in line
     assert written(tmp_path) == [] and not list(tmp_path.rglob("*.tmp"))
-    assert shard(tmp_path, "none", 0).returncode == 0
+    assert batch_job(tmp_path, "none", 0).returncode == 0
     assert written(tmp_path) == [f"{name}.parquet" for name in sorted(FILES)]
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks Linux for what is used")
 def test_a_case_without_memory_is_one_line_and_the_others_are_kept(cases, tmp_path):
     """Maps of 9 million facets do not fit; nothing is recorded as a result of the case."""
-    refused = shard(tmp_path, "memory", 100_000_000, {**SETUP, "facet_size": 0.0001})
+    refused = batch_job(tmp_path, "memory", 100_000_000, {**SETUP, "facet_size": 0.0001})
     assert refused.returncode != 0
     lines = refused.stderr.splitlines()
     assert [line.split(":")[0] for line in lines] == ["case 0", "case 1"]

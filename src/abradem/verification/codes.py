@@ -169,12 +169,12 @@ def checks(comparison: pd.DataFrame) -> list[Check]:
     found = []
     groups = ["code", "variant", "restitution", "quantity"]
     left: dict[str, float] = {}
-    anew = 0.0
+    largest_difference = 0.0
     for (code, variant, e, quantity), part in comparison.groupby(groups, sort=False):
         words = f"{code} ({variant}), e = {e:g}: {QUANTITIES[quantity]}, largest difference"
         ours, theirs = largest(part, "ours"), largest(part, "theirs")
         left[code] = max(left.get(code, 0.0), theirs)
-        anew = max(anew, largest(part, "ours", "plain"))
+        largest_difference = max(largest_difference, largest(part, "ours", "plain"))
         if ours <= ALLOWED:
             found.append(Check(words, ours, ALLOWED, kind="at most"))
         else:
@@ -187,7 +187,7 @@ def checks(comparison: pd.DataFrame) -> list[Check]:
     ]  # fmt: skip
     found.append(
         Check("the same impacts integrated again under our choices, largest difference from the "
-              "engine", anew, INTEGRATION, kind="at most",
+              "engine", largest_difference, INTEGRATION, kind="at most",
               note=f"plain explicit steps, {STEPS} per contact; the engine takes 2000")
     )  # fmt: skip
     return found

@@ -66,7 +66,7 @@ def facet_checks() -> tuple[list[Check], pd.DataFrame]:
 
 
 class _Ledger(Film):
-    """Film that keeps the books of mass and energy as well."""
+    """Film that records the balances of mass and energy as well."""
 
     def __init__(self, interval: float):
         super().__init__(interval)
