@@ -53,7 +53,7 @@ def files_hash(*files: Path) -> str:
     }
     digest = hashlib.sha256()
     for name in sorted(named):
-        digest.update(name.encode() + b"\0" + hashlib.sha256(named[name].read_bytes()).digest())
+        digest.update(name.encode() + b"\0" + _digest(_content(named[name])))
     return digest.hexdigest()[:16]
 
 
@@ -95,7 +95,7 @@ def source_file(module: str) -> Path:
 def imported_modules(path: Path) -> list[str]:
     """Modules of the package that a file imports, in the order of appearance."""
     root = str(abradem.__path__[0])
-    pairs = _imports(path.read_text(encoding="utf-8"))
+    pairs = _imports(_content(path))
     return list(dict.fromkeys(_module_of(root, *pair) for pair in pairs))
 
 
@@ -106,15 +106,31 @@ _IMPORT = re.compile(
 _FOR_TYPE_CHECKERS = re.compile(r"^if TYPE_CHECKING:\n(?:[ \t]+[^\n]*\n|\n)*", re.MULTILINE)
 
 
+def _content(path: Path) -> bytes:
+    """Content of a file, read once as long as it keeps its time and its size."""
+    stat = path.stat()
+    return _read(path, stat.st_mtime_ns, stat.st_size)
+
+
 @cache
-def _imports(source: str) -> tuple[tuple[str, str | None], ...]:
+def _read(path: Path, time: int, size: int) -> bytes:
+    return path.read_bytes()
+
+
+@cache
+def _digest(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+@cache
+def _imports(source: bytes) -> tuple[tuple[str, str | None], ...]:
     """(module, name) of every import from the package in a source text.
 
     The text is searched rather than parsed: parsing all sources would lengthen every start of the
     workflow by a third. A test compares the result with the syntax tree of every file.
     """
     found: list[tuple[str, str | None]] = []
-    for module, names, whole in _IMPORT.findall(_FOR_TYPE_CHECKERS.sub("", source)):
+    for module, names, whole in _IMPORT.findall(_FOR_TYPE_CHECKERS.sub("", source.decode("utf-8"))):
         if whole:
             found.append((whole, None))
         for name in re.sub(r"#[^\n]*|[()]", " ", names).split(","):
