@@ -117,7 +117,7 @@ def test_a_wrong_unit_is_one_line(published):
     table["Particle Size"] /= 1e3
     table["Young's Modulus (Material)"] /= 1e9
     (line,) = refused(table, path)
-    assert line.startswith("column particle_youngs_modulus: is 1e-09 times what its formula gives")
+    assert line.startswith("column particle_youngs_modulus: is 1e-09 times the value of its formula")
 
 
 def test_missing_columns_are_one_line_each(published):
@@ -143,7 +143,7 @@ def test_a_wrong_mapping_is_one_line(published):
 def test_a_column_of_words_is_one_line(published):
     table, path = published
     (line,) = refused(table.assign(**{"Plate Angle": "x"}), path)
-    assert line == "column 'Plate Angle': holds no numbers (first 'x')"
+    assert line == "column 'Plate Angle': contains no numbers (first 'x')"
 
 
 @pytest.mark.parametrize(
@@ -198,9 +198,9 @@ def test_a_data_set_of_our_own_is_a_table_like_any_other(tmp_path):
     for name in ("case_id", *FEATURE_NAMES, "wear_total_mean", "wear_sliding_p99"):
         np.testing.assert_array_equal(found[name], table[name])
     lines = refused(table.assign(case_id=3).iloc[:5], tmp_path / "t.csv")
-    assert lines == ["column 'case_id': must hold whole numbers, each once"]
+    assert lines == ["column 'case_id': must contain whole numbers, each once"]
     twice = table.assign(**{"case_id ": table["case_id"]})
-    assert refused(twice, tmp_path / "t.csv") == ["column 'case_id' stands twice"]
+    assert refused(twice, tmp_path / "t.csv") == ["column 'case_id' appears twice"]
     lines = refused(table.assign(wear_sliding_p99=-0.5).iloc[:1], tmp_path / "t.csv")
     assert lines == ["row 1: wear_sliding_p99 = -0.5 mm/s must not be negative"]
 
@@ -235,10 +235,10 @@ def test_the_missing_damping_coefficient_takes_the_form_asked_for(tmp_path):
 def test_columns_that_could_be_confused_are_refused(published):
     table, path = published
     twice = table.assign(**{" Plate Angle": 0.0})
-    assert refused(twice, path) == ["column 'Plate Angle' stands twice"]
+    assert refused(twice, path) == ["column 'Plate Angle' appears twice"]
     both = table.assign(plate_angle=0.0)
     assert refused(both, path) == [
-        "columns 'plate_angle' and 'Plate Angle' both hold plate_angle; choose one with "
+        "columns 'plate_angle' and 'Plate Angle' both contain plate_angle; choose one with "
         "dataset.columns"
     ]
     read_external(path, {"plate_angle": "Plate Angle"})

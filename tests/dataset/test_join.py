@@ -82,7 +82,7 @@ def test_the_join_takes_the_seeds_and_features_of_the_right_case():
 
 
 def test_the_join_refuses_doubled_and_foreign_cases():
-    with pytest.raises(ds.TableError, match="wear rates: case 1 stands twice"):
+    with pytest.raises(ds.TableError, match="wear rates: case 1 appears twice"):
         ds.join(sample_cases(), sample_rates([0, 1, 1]), sample_runs())
     with pytest.raises(ds.TableError, match="case 3 does not belong"):
         ds.join(sample_cases(3), sample_rates([0]), sample_runs(4))
@@ -107,14 +107,14 @@ def test_more_failures_than_allowed_are_one_line():
     assert str(stopped.value) == (
         "dataset: 3 of 4 cases failed (2 refused, 1 overlap), more than "
         "simulation.max_failed_share = 0.7 allows; case 0: refused: step 1; "
-        "failures.parquet holds all"
+        "failures.parquet lists all"
     )
 
 
 def test_a_study_without_a_good_case_says_so():
     dataset, failures = ds.join(sample_cases(2), sample_rates([]), sample_runs(2, c0="x", c1="y"))
     assert list(failures["status"]) == ["x", "y"]
-    with pytest.raises(ds.TableError, match="no case ended well"):
+    with pytest.raises(ds.TableError, match="no case was successful"):
         ds.check(dataset)
 
 
@@ -143,7 +143,7 @@ def test_facets_that_few_large_particles_leave_unworn_are_no_error():
 
 def test_the_check_finds_doubled_cases_and_missing_columns():
     dataset, _ = ds.join(sample_cases(), sample_rates(range(3)), sample_runs())
-    with pytest.raises(ds.TableError, match="case 0 stands"):
+    with pytest.raises(ds.TableError, match="case 0 appears"):
         ds.check(pd.concat([dataset, dataset.iloc[:1]]))
     with pytest.raises(ds.TableError, match="lacks column restitution"):
         ds.check(dataset.drop(columns="restitution"))

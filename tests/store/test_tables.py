@@ -65,10 +65,10 @@ def test_a_column_without_a_unit_is_refused_unless_it_is_given(tmp_path):
 @pytest.mark.parametrize(
     ("column", "values", "says"),
     [
-        ("case_id", [0.5], "must hold int64"),
+        ("case_id", [0.5], "must contain int64"),
         ("block", [2**40], "does not fit int32"),
-        ("status", [None], "must hold text"),
-        ("time", ["x"], "must hold float64"),
+        ("status", [None], "must contain text"),
+        ("time", ["x"], "must contain float64"),
     ],
 )
 def test_values_of_another_type_are_refused(tmp_path, column, values, says):
