@@ -40,7 +40,7 @@ FLOORS = {
 """Floor of every package and of every module at the root."""
 
 GROUND = {
-    "config": {"quantities", "units", "words"},
+    "config": {"quantities", "units", "words", "store"},
     "store": {"quantities", "words"},
     "words": {"quantities"},
     "units": {"quantities"},

@@ -216,10 +216,10 @@ def test_friction_work_is_the_loss_of_slip_energy(tangential, damping, angle):
     for e in (0.2, 0.5, 0.9):
         scene = Scene(contact=model).with_interaction(restitution=e)
         impact = scene.impact(SPEED, angle)
-        book = exact.friction_book(
+        work = exact.friction_work(
             scene.mass, components(SPEED, angle)[1], slip_velocity(impact, scene.radius)
         )
-        assert impact.friction_work == pytest.approx(book, rel=2e-3)
+        assert impact.friction_work == pytest.approx(work, rel=2e-3)
 
 
 @pytest.mark.parametrize("damping", ["capped", "none", "uncapped"])

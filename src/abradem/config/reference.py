@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -81,12 +80,13 @@ def generated(root: Path) -> dict[Path, str]:
 
 
 def main(arguments: Sequence[str]) -> int:
+    """Write the generated files below the current folder."""
+    # Not needed where the configuration is read, at every start of the workflow.
+    from abradem.store.files import write_text
+
     if list(arguments) != ["--write"]:
         print(f"usage: python -m abradem.config --write  ({SCHEMA_FILE}, {DOCUMENTATION_FILE})")
         return 2
     for path, text in generated(Path.cwd()).items():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(path.name + ".part")
-        temporary.write_text(text, encoding="utf-8")
-        os.replace(temporary, path)
+        write_text(text, path)
     return 0

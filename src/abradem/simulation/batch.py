@@ -45,7 +45,7 @@ def case_key(row: Mapping, setup: Mapping, code: str) -> str:
     setup : mapping
         Plain values of the `Setup`.
     code : str
-        Hash of the code that simulates.
+        Hash of the simulation code.
     """
     values = {name: float(row[name]) for name in SAMPLED_NAMES}
     identity = {name: int(row[name]) for name in ("case_id", "block", "seed")}

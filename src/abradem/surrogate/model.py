@@ -16,7 +16,6 @@ Only numpy and safetensors are needed here; torch, scikit-learn, numba and panda
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -25,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, quantity
+from abradem.store.files import read_arrays, read_json
 from abradem.surrogate.groups import Jet, group_columns, squared_impact_speed, wear_scale
 
 BLOCK = 4096
@@ -136,22 +136,18 @@ class Surrogate:
         PredictionError
             If a file is missing or damaged.
         """
-        from safetensors import SafetensorError
-        from safetensors.numpy import load_file
-
         path = Path(path)
         path = path if path.suffix == ".json" else Path(f"{path}.json")
-        try:
-            description = json.loads(path.read_text(encoding="utf-8"))
-            arrays = load_file(path.with_suffix(".safetensors"))
-            return cls(description, arrays)
-        except FileNotFoundError as error:
-            missing = Path(error.filename) if error.filename else path.with_suffix(".safetensors")
+        files = path, path.with_suffix(".safetensors")
+        missing = next((file for file in files if not file.exists()), None)
+        if missing is not None:
             raise PredictionError(
                 f"{missing}: there is no such file; run the study first (make run), or give the "
                 "surrogate of another study"
-            ) from None
-        except (SafetensorError, ValueError, KeyError, TypeError, OSError) as error:
+            )
+        try:
+            return cls(read_json(files[0]), read_arrays(files[1]))
+        except (ValueError, KeyError, TypeError, OSError) as error:
             raise PredictionError(f"{path}: damaged, or not a surrogate ({error!r})") from None
 
     def predict(self, values: Mapping[str, ArrayLike], confidence: float = 0.95) -> Prediction:

@@ -1,5 +1,6 @@
-"""The verification study: the engine against exact results, other codes and itself.
+"""The verification study: the engine compared with exact results, other codes and itself.
 
-Each module computes the tables of one question. `table` says how a table of checks is made and
-judged, `scenes` sets the stage. Nothing here is used by a study of wear.
+Most modules compute the tables of one part of the study. `checks` defines a check, its verdict and
+the tables of checks; `scenes` defines materials and set-ups. Wear studies use nothing of this
+package.
 """

@@ -1,7 +1,7 @@
-"""Tables of the verification study: a check, its verdict, units of all columns, files.
+"""Checks of the verification study: definition, verdict, tables and files.
 
-A check compares a number of ours with a reference and a tolerance. Verdicts are computed here
-and nowhere else.
+A check compares a result of the engine with a reference and a tolerance. All verdicts are computed
+in this module.
 """
 
 from __future__ import annotations
@@ -29,16 +29,17 @@ class Check:
     Parameters
     ----------
     law : str
-        What is compared, in words.
+        Short description of the compared quantity.
     ours, reference : float
+        Result of the engine, and the value that it is compared with.
     tolerance : float
-        Share of the reference (``relative``), or in the unit of the numbers (``absolute``);
-        without meaning for bounds.
+        Share of the reference (``relative``), or in ``unit`` (``absolute``); not used for bounds
+        (``at least``, ``at most``).
     unit : str
-        "1" where dimensionless.
+        "1" if dimensionless.
     kind : {"relative", "absolute", "at least", "at most"}
     note : str
-        Where the reference is from, or the choice that explains a difference.
+        Source of the reference, or the choice that explains a difference.
     """
 
     law: str
@@ -55,7 +56,7 @@ class Check:
 
     @property
     def difference(self) -> float:
-        """Of ours from the reference: a share of it if relative, else in the unit."""
+        """Difference from the reference: a share of it if relative, otherwise in ``unit``."""
         difference = float(self.ours) - float(self.reference)
         if self.kind != "relative":
             return difference
@@ -63,7 +64,7 @@ class Check:
 
     @property
     def holds(self) -> bool:
-        """Whether the check is passed; a number that is nan never passes."""
+        """Whether the check passes; nan never passes."""
         if self.kind == "at least":
             return self.ours >= self.reference
         if self.kind == "at most":
@@ -72,7 +73,7 @@ class Check:
 
 
 def checks_table(part: int, checks: Iterable[Check]) -> pd.DataFrame:
-    """Return checks of one part of the study as a table with their verdicts."""
+    """Return the checks of one part of the study as a table with verdicts."""
     return pd.DataFrame(
         [
             {
@@ -93,12 +94,17 @@ def checks_table(part: int, checks: Iterable[Check]) -> pd.DataFrame:
 
 
 def write(tables: Mapping[str, pd.DataFrame], paths: Mapping[str, str | Path]) -> None:
-    """Write tables as Parquet and, beside each, as CSV for reading.
+    """Write each table as a Parquet file and as a CSV file in the same folder.
 
     Parameters
     ----------
     tables, paths : mapping
-        Tables and Parquet files by the same names.
+        Tables, and paths of the Parquet files, with the same keys.
+
+    Raises
+    ------
+    ValueError
+        If the keys differ.
     """
     if set(tables) != set(paths):
         raise ValueError(f"tables {sorted(tables)} do not match files {sorted(paths)}")

@@ -1,15 +1,16 @@
 """Part 2: the eight particle-level tests of Chung & Ooi (2011, Granular Matter 13:643).
 
-Tests 1 to 3 are normal impacts, 4 to 6 oblique impacts or spins against a plane, 7 and 8 spins of
-two spheres. Where an impact slips throughout the outcome is exact; the stick branch depends on
-the tangential law. The partner in test 8 has five times the radius, a thousand times the density
-and, in case A, a thousand times the moduli: a plane to the first sphere, whose effective radius
-scales out (similarity). The same is done with equal spheres of which one spins.
+Tests 1 to 3 are normal impacts, tests 4 to 6 oblique or spinning impacts on a plane, tests 7 and 8
+impacts of two spinning spheres. The outcome is known exactly if an impact slips throughout; with
+stick it depends on the tangential law. The partner in test 8 has five times the radius, a thousand
+times the density and, in case A, a thousand times the moduli. It acts as a plane for the first
+sphere, and the effective radius scales out (similarity). The test is repeated with equal spheres
+of which one spins.
 
 Inputs of tests 1 to 4 and the experiment: Chung & Ooi (2011). Inputs of tests 5 to 8, and the
-finite elements of test 5 read off their figure: DEM benchmarks of Kratos Multiphysics
-(applications/DEMApplication/test_examples/basic_benchmarks); polyethylene, nylon and copper:
-the same tests in PySPH.
+finite-element results of test 5, read off their figure: DEM benchmarks of Kratos Multiphysics
+(applications/DEMApplication/test_examples/basic_benchmarks). Polyethylene, nylon and copper: the
+same tests in PySPH.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ KHARAZ = {
         (59.9, 50.0), (70.5, 66.9), (78.9, 78.9),
     ),
 }  # fmt: skip
-"""Measured by Kharaz, Gorham & Salman (2001, Powder Technology 120:281) for test 4: impact angle
+"""Measurements of Kharaz, Gorham & Salman (2001, Powder Technol. 120:281) for test 4: impact angle
 (deg) and value; spin in rad/s, rebound angle of the contact point in deg."""
 
 FINITE_ELEMENTS = (
@@ -60,12 +61,13 @@ FINITE_ELEMENTS = (
     (1.92, -0.627), (2.31, -0.947), (2.79, -1.25), (3.32, -1.52), (3.97, -1.72), (4.76, -1.71),
     (5.76, -1.20), (7.12, 0.133), (9.12, 2.15), (12.4, 5.43), (13.0, 6.01),
 )  # fmt: skip
-"""Elastic finite elements in Chung & Ooi's figure of test 5: tangential velocity before and surface
-velocity after, both over mu times normal velocity. They slip in part where a contact of this law
-sticks as a whole, so that they differ from every such law left of 7."""
+"""Elastic finite-element results in the figure of test 5 of Chung & Ooi: tangential velocity before
+and surface velocity after the impact, both divided by mu times the normal velocity. Below 7 they
+differ from every law of this kind: the finite-element contact slips in part of its area, while a
+contact of such a law sticks as a whole."""
 
 _READ_OFF = 0.1
-"""How well a point is read off a figure of 10 units of height: one percent of it."""
+"""Error of a point read off a figure: 1 % of its height of 10 units."""
 
 _TEST_4 = Scene(
     ALUMINIUM_OXIDE, ALUMINIUM_OXIDE, radius=0.0025, interaction=Interaction(0.98, 0.092, 0.0)
@@ -74,7 +76,7 @@ _SPEED = 3.9
 
 
 def slips_from(ratio: float, mu: float, e: float) -> bool:
-    """Whether an impact with this surface velocity over its normal velocity slips throughout."""
+    """Return whether an impact slips throughout, for its surface over its normal velocity."""
     return ratio > 3.5 * mu * (1.0 + e)
 
 
@@ -83,14 +85,14 @@ def _row(test: str, quantity: str, at: float, ours: float, known: float = math.n
 
 
 def normal_tests() -> pd.DataFrame:
-    """Tests 1 to 3: force against time of elastic impacts, and rebound against e."""
+    """Tests 1 to 3: force over time of elastic impacts, and rebound over e."""
     rows = []
     for name, (material, known) in SPHERE_PAIRS.items():
         scene = Scene(material).with_interaction(restitution=1.0)
         film, dt = head_on(scene, 10.0, known.duration)
         gap = film.of("x", 1) - film.of("x", 0)
         start = int(np.argmax(gap < 2.0 * scene.radius))
-        # The force is that of the list of pairs, which keeps it after they part.
+        # The force is read from the pair list, which still contains it after the separation.
         force = np.where(gap < 2.0 * scene.radius, film.pair_force, 0.0)
         for i in range(0, force.size, 10):
             time = (np.array(film.time)[i] - film.time[start] + 0.5 * dt) / known.duration
@@ -110,7 +112,7 @@ def normal_tests() -> pd.DataFrame:
 
 
 def oblique_test() -> pd.DataFrame:
-    """Test 4: aluminium oxide at 3.9 m/s over the angle."""
+    """Test 4: aluminium oxide at 3.9 m/s for several impact angles."""
     mu, e = _TEST_4.interaction.static_friction, _TEST_4.interaction.restitution
     rows = []
     for angle in (1.0, 2.0, 3.5, *np.arange(5.0, 88.0, 2.5)):
@@ -138,7 +140,7 @@ def oblique_test() -> pd.DataFrame:
 
 
 def plane_tests() -> pd.DataFrame:
-    """Tests 5 and 6: constant normal velocity, with tangential velocity or spin before."""
+    """Tests 5 and 6: constant normal velocity, with an initial tangential velocity or spin."""
     rows = []
     mu, v_n = 0.3, 5.0
     for name, material in (("steel", STEEL), ("polyethylene", POLYETHYLENE)):
@@ -160,11 +162,11 @@ def plane_tests() -> pd.DataFrame:
 
 
 def spinning_onto_plane(test: str, material, plate) -> list[dict]:
-    """A sphere of R 100 mm that spins and meets a plane at 0.2 m/s; mu 0.4, e 0.5."""
+    """A spinning sphere of R 100 mm that hits a plane at 0.2 m/s; mu 0.4, e 0.5."""
     rows = []
     mu, e, v_n = 0.4, 0.5, 0.2
     scene = Scene(material, plate, radius=0.1, interaction=Interaction(e, mu, 0.0))
-    # A forward spin slips back: friction drives the sphere forward.
+    # With a forward spin the surface slips backwards, so friction drives the sphere forward.
     forward = mu * (1.0 + e) * v_n
     for spin in np.arange(1.0, 25.1, 1.0):
         impact = scene.impact(v_n, 0.0, spin=(0.0, 0.0, -spin))
@@ -181,7 +183,7 @@ def spinning_onto_plane(test: str, material, plate) -> list[dict]:
 
 
 def pair_tests() -> pd.DataFrame:
-    """Tests 7 and 8: two spheres at +-0.2 m/s with opposite spins; one that spins."""
+    """Tests 7 and 8: two spheres at +-0.2 m/s, with opposite spins or with one spinning."""
     rows = []
     mu, e, speed = 0.4, 0.5, 0.2
     for name, material in (("aluminium alloy", ALUMINIUM_ALLOY), ("copper", COPPER)):
@@ -204,7 +206,7 @@ def pair_tests() -> pd.DataFrame:
 def _one_spins(scene: Scene, speed: float, duration: float, spin: float) -> list[dict]:
     film, _ = head_on(scene, speed, duration, spins=((0, 0, spin), (0, 0, 0)))
     mu, e = scene.interaction.static_friction, scene.interaction.restitution
-    # Impulse over mass is mu (1+e) v; the slip R w falls by 7 times that.
+    # Impulse over mass is mu (1+e) v; the slip velocity R w decreases by 7 times that.
     impulse = mu * (1.0 + e) * speed
     slips = scene.radius * spin > 7.0 * impulse
     return [
@@ -216,7 +218,7 @@ def _one_spins(scene: Scene, speed: float, duration: float, spin: float) -> list
 
 
 def measured() -> pd.DataFrame:
-    """The experiment of test 4 and the finite elements of test 5."""
+    """Return the measurements of test 4 and the finite-element results of test 5."""
     points = [("4", name, "experiment", KHARAZ[name]) for name in KHARAZ]
     points.append(("5", "rebound angle", "finite elements", FINITE_ELEMENTS))
     return pd.DataFrame(
@@ -229,7 +231,7 @@ def measured() -> pd.DataFrame:
 
 
 def branch_checks(outcomes: pd.DataFrame) -> list[Check]:
-    """The largest difference from the exact branch, for each test and quantity."""
+    """Return checks of the largest difference from the exact branch by test and quantity."""
     checks = []
     known = outcomes.dropna(subset="exact")
     for (test, quantity), part in known.groupby(["test", "quantity"], sort=False):
@@ -243,9 +245,10 @@ def branch_checks(outcomes: pd.DataFrame) -> list[Check]:
 
 
 def point_checks(outcomes: pd.DataFrame, points: pd.DataFrame) -> list[Check]:
-    """Ours against the published points where the impact slips.
+    """Return checks against the published points for impacts that slip.
 
-    The experiment scatters about the exact form; ours must be as far from it as the exact form.
+    The measurements scatter about the exact solution. The mean difference of the engine from them
+    must equal that of the exact solution.
     """
     mu, e = _TEST_4.interaction.static_friction, _TEST_4.interaction.restitution
     begin = {"4": exact.slip_angle_deg(mu, e), "5": 7.0}

@@ -1,7 +1,8 @@
-"""What is known exactly about spheres in contact: formulas, with their assumptions.
+"""Exact solutions for spheres in contact: formulas with their assumptions.
 
-Angles are from the plane's normal. m mass, R radius, v_n and v_t normal and tangential velocity
-before the impact, e restitution, mu static and mu_r rolling friction. SI.
+Angles are measured from the normal of the plane. m mass, R radius, v_n and v_t normal and
+tangential velocity before the impact, e restitution, mu static and mu_r rolling friction; SI
+units. The solutions for slip and rolling follow from the balances of linear and angular momentum.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ class Hertz(NamedTuple):
 
 
 def hertz(youngs_star: float, radius: float, mass: float, speed: float) -> Hertz:
-    """Elastic impact of effective modulus, radius, mass; ``speed`` is that of approach.
+    """Return the elastic normal impact for effective modulus (Pa), radius (m) and mass (kg).
 
     d_max = (5 m v^2 / (4 k))^{2/5} with k = 4/3 E* sqrt(R*), F_max = k d_max^{3/2},
-    t_c = 2.94327 d_max / v (Hertz 1882).
+    t_c = 2.94327 d_max / v (Hertz 1882). ``speed`` is the approach speed v, m/s.
     """
     stiffness = hertz_stiffness(youngs_star, radius)
     overlap = hertz_overlap(stiffness, mass, speed)
@@ -32,10 +33,10 @@ def hertz(youngs_star: float, radius: float, mass: float, speed: float) -> Hertz
 
 
 class Slip(NamedTuple):
-    """Impact that slips from its begin to its end.
+    """Outcome of an impact that slips from beginning to end.
 
-    Velocity of the centre along the plane (m/s), spin in the sense of rolling forward (rad/s),
-    ``total`` wear measure and friction work (J).
+    Velocity of the centre along the plane (m/s), spin, positive for forward rolling (rad/s), wear
+    measure ``total`` (J) and friction work (J).
     """
 
     tangential_velocity: float
@@ -45,17 +46,18 @@ class Slip(NamedTuple):
 
 
 def slip_angle_deg(mu: float, e: float, mu_r: float = 0.0) -> float:
-    """Angle above which an impact slips throughout: tan = (3.5 mu - 2.5 mu_r)(1 + e)."""
+    """Return the angle above which an impact slips: tan = (3.5 mu - 2.5 mu_r)(1 + e), deg."""
     return math.degrees(math.atan((3.5 * mu - 2.5 * mu_r) * (1.0 + e)))
 
 
 def gross_slip(
     mass: float, radius: float, v_n: float, v_t: float, mu: float, e: float, mu_r: float = 0.0
 ) -> Slip:
-    """Impact with F_t = mu F_n throughout, spin 0 before; exact for e = 1.
+    """Return the outcome of an impact with F_t = mu F_n throughout and no initial spin.
 
     Impulses: m dv_t = -mu m (1+e) v_n and I dw = R (mu - mu_r) m (1+e) v_n with I = 2/5 m R^2.
-    ``total`` = int F_n v_c dt, v_c the velocity of the contact point, linear in the impulse.
+    ``total`` = int F_n v_c dt, where the velocity v_c of the contact point is linear in the
+    impulse. Exact for e = 1.
     """
     impulse = mass * (1.0 + e) * v_n
     after = v_t - mu * impulse / mass
@@ -64,17 +66,18 @@ def gross_slip(
     return Slip(after, spin, impulse * mean_slip, mu * impulse * mean_slip)
 
 
-def friction_book(mass: float, before: float, after: float) -> float:
-    """Work of friction on a free sphere, (m/7)(v_c^2 - v_c'^2), J.
+def friction_work(mass: float, before: float, after: float) -> float:
+    """Return the friction work on a free sphere, (m/7)(v_c^2 - v_c'^2), J.
 
-    v_c is the velocity of the contact point along the plane; mu_r = 0. The force F_t changes it
-    by 7/2 F_t dt / m, so the work int F_t v_c dt does not depend on the law.
+    v_c is the velocity of the contact point along the plane (``before`` and ``after``, m/s);
+    mu_r = 0. A force F_t changes it by 7/2 F_t dt / m, so the work int F_t v_c dt does not depend
+    on the tangential law.
     """
     return mass / 7.0 * (before**2 - after**2)
 
 
 class Roll(NamedTuple):
-    """From sliding to rolling on a level plane: velocity (m/s), time (s), ``total`` (J)."""
+    """Transition from sliding to rolling on a level plane: velocity (m/s), time (s), total (J)."""
 
     velocity: float
     time: float
@@ -82,12 +85,16 @@ class Roll(NamedTuple):
 
 
 def slide_to_roll(mass: float, speed: float, mu: float, gravity: float) -> Roll:
-    """Sphere set on a plane with speed u0 and no spin: rolls with 5/7 u0 after 2 u0 / (7 mu g)."""
+    """Return the transition to rolling for a sphere with speed u0 and no spin on a level plane.
+
+    It rolls with 5/7 u0 after the time 2 u0 / (7 mu g); the wear measure ``total`` until then is
+    m u0^2 / (7 mu).
+    """
     return Roll(5.0 / 7.0 * speed, 2.0 * speed / (7.0 * mu * gravity), mass * speed**2 / (7.0 * mu))
 
 
 def incline_acceleration(angle_deg: float, mu: float, mu_r: float, gravity: float) -> float:
-    """Acceleration of a sphere down an incline, m/s2: slides, rolls or rests."""
+    """Return the acceleration of a sphere down an incline, m/s2: sliding, rolling or at rest."""
     sine, cosine = math.sin(math.radians(angle_deg)), math.cos(math.radians(angle_deg))
     if sine <= mu_r * cosine:
         return 0.0

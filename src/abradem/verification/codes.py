@@ -1,10 +1,11 @@
-"""Part 3: independent codes under the same options, and what explains the rest.
+"""Part 3: comparison with independent codes under the same options.
 
-The tables of the other codes were made with `benchmarks/compare_codes.py`: one particle (R 10 mm,
-rho 2500, E 15 GPa, nu 0.25) on a plane (E 200 GPa, nu 0.3), mu 0.45, 3.9 m/s, nine angles, e 0.5
-and 1, steps of 1e-8 s; and a jet of particles from one release schedule.
+The tables of the other codes were computed with `benchmarks/compare_codes.py`: one particle (R
+10 mm, rho 2500, E 15 GPa, nu 0.25) on a plane (E 200 GPa, nu 0.3), mu 0.45, 3.9 m/s, nine angles,
+e 0.5 and 1, steps of 1e-8 s; and a jet of particles from one release schedule.
 
-Differences above `ALLOWED` are explained by integrating the impact under the other code's choices.
+To explain a difference above `ALLOWED`, the impact is integrated with the choices of the other
+code.
 """
 
 from __future__ import annotations
@@ -24,20 +25,21 @@ from abradem.verification.scenes import NOMINAL_SPEED, Scene
 
 PART = 3
 ALLOWED = 0.015
-"""Difference that needs no explanation, of a quantity's largest value over the angles."""
+"""Largest difference that needs no explanation, as a share of the largest value of the quantity
+over the angles."""
 
 UNEXPLAINED = 0.005
-"""Largest difference that may be left under the other code's own choices: a third of `ALLOWED`. Of
-the 0.2 % that are left of LAMMPS and YADE their step is not the reason: with steps of 4e-8 s it is
-less than 0.01 % more."""
+"""Largest difference allowed with the choices of the other code: a third of `ALLOWED`. The 0.2 %
+that remain for LAMMPS and YADE are not caused by their time step: with steps of 4e-8 s the
+difference is less than 0.01 % larger."""
 
 QUANTITIES = {
     "normal_velocity": "rebound", "tangential_velocity": "v_t'", "spin": "spin",
     "tangential_impulse": "tangential impulse", "friction_work": "friction work",
     "total": "total", "wear": "its own wear",
 }  # fmt: skip
-"""`wear` is what a code itself counts, where it counts: the elastic part of F_n times the way,
-while the contact slips."""
+"""`wear` is computed by the other code itself, if it computes wear: the elastic part of F_n times
+the sliding distance while the contact slips."""
 
 LAWS = {
     "displacement, uncapped, attractive": ContactModel(
@@ -54,18 +56,18 @@ LAWS = {
     "incremental, capped, clipped": ContactModel("nominal_clipped", "incremental", "capped"),
     "incremental, capped, corrected": ContactModel("exact_e", "incremental", "capped"),
 }
-"""Our options that repeat another code's law, by the name of the variant in its tables."""
+"""Options of this engine that correspond to the law of another code, by variant."""
 
 
 @dataclass(frozen=True)
 class Peer:
-    """What another code chooses where no option of ours follows it.
+    """Choices of another code for which this engine has no option.
 
     Parameters
     ----------
     choices : Choices
     words : str
-        The same in words.
+        Description of the choices.
     """
 
     choices: Choices
@@ -92,29 +94,29 @@ PEERS = {
         "its lever arm is R less the overlap, and it limits the spring in slip only",
     ),
 }
-"""By the first word of the code's name. The damping and the radius at a wall are followed by our
-engine too, with other constants."""
+"""Choices by the first word of the name of a code. This engine reproduces the damping and the
+radius at a wall too, with other constants."""
 
 
 def read(path) -> pd.DataFrame:
-    """A table of other codes; its first line names their versions."""
+    """Read a table of other codes; its first line contains their versions."""
     return pd.read_csv(path, comment="#")
 
 
 def peer_of(code: str) -> Peer:
-    """The choices of a code, whatever its version."""
+    """Return the choices of a code, of any version."""
     return PEERS[code.split()[0]]
 
 
 def scene_of(variant: str, restitution: float = 0.5, rolling: float = 0.0) -> Scene:
-    """The particle and the plane under our options that repeat a variant."""
+    """Return the particle and the plane with the options that correspond to a variant."""
     return replace(Scene(), contact=LAWS[variant]).with_interaction(
         restitution=restitution, rolling_friction=rolling
     )
 
 
 def constants_of(code: str, restitution: float) -> dict[str, Any]:
-    """Factors on the constants of our law that repeat a code's (`experiments.with_law`)."""
+    """Return the factors on the constants of the law for a code (`experiments.with_law`)."""
     choices = peer_of(code).choices
     stiffness = choices.wall_radius**0.5
     damping = stiffness**0.5
@@ -125,7 +127,7 @@ def constants_of(code: str, restitution: float) -> dict[str, Any]:
 
 
 def compare_impacts(reference: pd.DataFrame) -> pd.DataFrame:
-    """Every impact of another code beside ours, one row per quantity.
+    """Compare every impact of another code with this engine, one row per quantity.
 
     Parameters
     ----------
@@ -135,8 +137,9 @@ def compare_impacts(reference: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        As the reference, and by quantity: ours (the engine), plain (integrated again under our
-        choices), theirs (integrated again under the other code's choices), reference.
+        The keys of ``reference`` and, by quantity: ours (the engine), plain (integrated
+        independently with the choices of this engine), theirs (integrated independently with the
+        choices of the other code), reference.
     """
     rows = []
     for row in reference.to_dict("records"):
@@ -160,12 +163,12 @@ def compare_impacts(reference: pd.DataFrame) -> pd.DataFrame:
 
 
 def largest(part: pd.DataFrame, one: str, other: str = "reference") -> float:
-    """Largest difference of two columns, of the largest value of the reference."""
+    """Return the largest difference of two columns over the largest value of the reference."""
     return float((part[one] - part[other]).abs().max() / part["reference"].abs().max())
 
 
 def checks(comparison: pd.DataFrame) -> list[Check]:
-    """Largest difference over the angles, for each code, variant, e and quantity."""
+    """Return checks of the largest difference over the angles by code, variant, e and quantity."""
     found = []
     groups = ["code", "variant", "restitution", "quantity"]
     left: dict[str, float] = {}
@@ -194,7 +197,7 @@ def checks(comparison: pd.DataFrame) -> list[Check]:
 
 
 INTEGRATION = 0.002
-"""A few times 1/2000 and 1/`STEPS`: engine and integration are of first order."""
+"""A few times 1/2000 and 1/`STEPS`: engine and independent integration are of first order."""
 
 
 def _explanation(code: str) -> str:
@@ -202,7 +205,10 @@ def _explanation(code: str) -> str:
 
 
 def compare_forces(reference: pd.DataFrame) -> pd.DataFrame:
-    """Forces of the other codes against time, with ours and those under their choices beside."""
+    """Return the forces of the other codes over time, with two columns for comparison.
+
+    These are the forces of the engine, and those integrated with the choices of the other code.
+    """
     parts = []
     for (code, variant, angle), part in reference.groupby(["code", "variant", "angle"], sort=False):
         scene = scene_of(variant)
@@ -224,10 +230,10 @@ _FIRST_MOMENTS = 5e-7
 
 
 def force_checks(forces: pd.DataFrame) -> list[Check]:
-    """Root mean square difference of F_t(t) over its largest value.
+    """Return checks of the root mean square difference of F_t(t) over its largest value.
 
-    Of the first moments, in which the damping jumps up as the fourth root of the overlap, a
-    part of a step decides; they are left out.
+    The first 0.5 us are left out: the damping rises as the fourth root of the overlap, so the
+    forces depend on a fraction of a step.
     """
     found = []
     forces = forces[forces["time"] > _FIRST_MOMENTS]
@@ -246,7 +252,7 @@ def force_checks(forces: pd.DataFrame) -> list[Check]:
     return found
 
 
-# The jet: the same particles for every code.
+# The jet: all codes get the same particles.
 
 JET_PARTICLES, JET_RATE, JET_END = 80, 200.0, 0.65
 JET_STEP = 1e-6
@@ -256,7 +262,10 @@ _PATCH, _HEIGHT, _JET_SPEED = 0.1, 0.25, 3.0
 
 
 def jet_releases() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times (s), positions (m) and velocities (m/s) of the jet's particles: a Halton sequence."""
+    """Return times (s), positions (m) and velocities (m/s) of the particles of the jet.
+
+    The positions are a Halton sequence.
+    """
     times = np.round(np.arange(JET_PARTICLES) / JET_RATE / JET_STEP) * JET_STEP
     places = np.array(
         [
@@ -277,7 +286,7 @@ def _halton(index: int, base: int) -> float:
 
 
 def jet_plate() -> np.ndarray:
-    """Corners of the plate, m, anticlockwise seen from above, shape (4, 3)."""
+    """Return the corners of the plate, m, anticlockwise seen from above, shape (4, 3)."""
     angle = np.radians(JET_ANGLE)
     half = 0.5 * PLATE
     return np.array(
@@ -289,13 +298,13 @@ def jet_plate() -> np.ndarray:
 
 
 def jet_impulse(velocities: np.ndarray) -> tuple[float, float]:
-    """Impulse on the plate along its normal and down its slope, N s.
+    """Return the impulse on the plate along its normal and down its slope, N s.
 
     Parameters
     ----------
     velocities : ndarray, shape (particles, 3)
-        At `JET_END`, when all are in flight: momentum at the end less that of the release and
-        of gravity is what the plate gave.
+        Velocities at `JET_END`, m/s, when all particles are in flight. The momentum at the end,
+        minus that of the release and of gravity, is the impulse of the plate.
     """
     times, _, before = jet_releases()
     mass, angle = Scene().mass, np.radians(JET_ANGLE)
@@ -307,10 +316,10 @@ def jet_impulse(velocities: np.ndarray) -> tuple[float, float]:
 
 
 def our_jet(code: str, variant: str, nudge: float = 0.0) -> tuple[float, float]:
-    """Impulse of our jet on the plate under the options of a code's variant.
+    """Return the impulse of the jet of this engine on the plate with the options of a variant.
 
-    ``nudge`` (m) moves all particles along x: bounces are chaotic, so that it shows how well the
-    impulse is determined at all.
+    ``nudge`` (m) shifts all particles along x. Bounces are chaotic, so the spread between nudged
+    jets shows how well the impulse is determined.
     """
     scene = scene_of(variant)
     setup = scene.setup(time_step=JET_STEP, duration=JET_END, removal_depth=20.0)
@@ -324,9 +333,9 @@ _NUDGES = 1e-7 * np.arange(1, 9)
 
 
 def compare_jets(reference: pd.DataFrame) -> pd.DataFrame:
-    """Impulses of the other codes' jets beside ours, one row per quantity.
+    """Compare the impulses of the jets of other codes with this engine, one row per quantity.
 
-    ``bias_stderr`` is the spread of ours between nudged jets, as a share of the reference.
+    ``bias_stderr`` is the spread between nudged jets of this engine, as a share of the reference.
     """
     rows = []
     for row in reference.to_dict("records"):
@@ -343,7 +352,7 @@ def compare_jets(reference: pd.DataFrame) -> pd.DataFrame:
 
 
 def jet_checks(jets: pd.DataFrame) -> list[Check]:
-    """The impulse of the whole jet on the plate."""
+    """Return checks of the impulse of the whole jet on the plate."""
     found = []
     for row in jets.itertuples():
         words = f"{row.code} ({row.variant}), jet: {row.quantity.replace('_', ' ')}"
@@ -364,7 +373,7 @@ def study(
     Parameters
     ----------
     impacts, jets, forces : pandas.DataFrame
-        Of the other codes.
+        Tables of the other codes.
     """
     singles, poured, tracks = compare_impacts(impacts), compare_jets(jets), compare_forces(forces)
     found = checks(singles) + force_checks(tracks) + jet_checks(poured)

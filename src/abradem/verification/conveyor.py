@@ -1,9 +1,9 @@
-"""Part 7: the paper's screw-conveyor check, a test of the order of magnitude only.
+"""Part 7: the screw-conveyor check of the paper, a test of the order of magnitude only.
 
-Material and constants follow the paper (Yang et al. 2021); the load on the blade is not known, so
-that any rate within the band of reasonable loads agrees. A depth rate of 1e-6 mm/s at
-W = 1e-11 /Pa is F_n v_t = 100 W per square metre. Two estimates: a filling that slides along the
-trough under its own weight, q = p v, and a jet on an inclined plate.
+Materials and constants follow the paper (Yang et al. 2021). The load on the blade is not known, so
+any rate in the range of reasonable loads agrees. A depth rate of 1e-6 mm/s at W = 1e-11 /Pa is
+F_n v_t = 100 W per square metre. There are two estimates: a filling that slides along the trough
+under its own weight, q = p v, and a jet on an inclined plate.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from abradem.verification.scenes import Scene, solid
 PART = 7
 ARCHARD_CONSTANT = 1e-11
 PUBLISHED = 1e-6
-"""Depth rate, mm/s, as an order of magnitude."""
+"""Published depth rate, mm/s, an order of magnitude."""
 
 CONVEYOR = Scene(
     particle=solid(1e9, 0.3, 1500.0),
@@ -38,7 +38,7 @@ _MM = 1e3
 
 
 def filling() -> pd.DataFrame:
-    """Depth rate of a filling of a certain height that slides at a certain speed, mm/s."""
+    """Return the depth rates of sliding fillings for several heights and speeds, mm/s."""
     rows = []
     bulk_density = 0.6 * CONVEYOR.particle.density
     for height, speed in itertools.product((0.05, 0.1, 0.2), (0.05, 0.1, 0.3)):
@@ -51,7 +51,7 @@ def filling() -> pd.DataFrame:
 
 
 def jet_rates() -> pd.DataFrame:
-    """Depth rate of jets on an inclined plate, mm/s."""
+    """Return the depth rates of jets on an inclined plate, mm/s."""
     rows = []
     for mass_rate, angle in itertools.product((1.0, 4.0), (25.0, 45.0)):
         setup = CONVEYOR.setup(

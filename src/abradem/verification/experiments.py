@@ -1,6 +1,6 @@
-"""Experiments with one or two spheres that have a known outcome, done with the engine.
+"""Simulated experiments with one or two spheres and a known outcome.
 
-Each returns what was measured; `closed_forms` says what should come out.
+Each function returns the simulated values; `closed_forms` contains the expected ones.
 """
 
 from __future__ import annotations
@@ -15,26 +15,26 @@ from abradem.verification.closed_forms import Hertz, Roll
 from abradem.verification.scenes import Film, Scene, filmed
 
 STEPS_PER_CONTACT = 500
-"""Of the experiments with impacts."""
+"""Time steps per contact in the experiments with impacts."""
 
 _TOUCHING = 1.0 + 1e-9
-"""Height of a resting sphere over the plane in radii: not yet an overlap."""
+"""Height of a resting sphere above the plane, in radii, just without overlap."""
 
 
 def head_on(scene: Scene, speed: float, duration: float, spins=None, offset: float = 0.0):
-    """Let two spheres meet at +-``speed`` along x in empty space and return (film, time step).
+    """Simulate an impact of two spheres at +-``speed`` along x; return (film, time step).
 
     Parameters
     ----------
     scene : Scene
     speed : float
-        Of each, m/s.
+        Speed of each sphere, m/s.
     duration : float
-        About that of the contact, s; 500 steps are made of it.
+        Approximate duration of the contact, s; it is divided into 500 steps.
     spins : array_like, shape (2, 3), optional
-        Before the impact, rad/s.
+        Spins before the impact, rad/s.
     offset : float
-        Half the distance between their lines of flight, m.
+        Half the distance between the lines of flight, m.
     """
     dt = duration / STEPS_PER_CONTACT
     apart = 2.0 * math.sqrt(scene.radius**2 - offset**2) + 2.5 * speed * dt
@@ -53,7 +53,7 @@ def head_on(scene: Scene, speed: float, duration: float, spins=None, offset: flo
 
 
 def hertz_pair(scene: Scene, speed: float, duration: float) -> Hertz:
-    """Largest force, largest overlap and duration of a head-on impact."""
+    """Return the largest force, the largest overlap and the duration of a head-on impact."""
     film, dt = head_on(scene, speed, duration)
     overlap = 2.0 * scene.radius - np.hypot(
         film.of("x", 1) - film.of("x", 0), film.of("y", 1) - film.of("y", 0)
@@ -64,7 +64,7 @@ def hertz_pair(scene: Scene, speed: float, duration: float) -> Hertz:
 
 
 def _settled(scene: Scene, gravity: float) -> float:
-    """Time in which the normal motion of a sphere set on the plane dies away, s."""
+    """Return the time in which the normal vibration of a sphere on the plane decays, s."""
     from abradem.dem.contact import effective_moduli
 
     load = scene.mass * gravity
@@ -74,12 +74,12 @@ def _settled(scene: Scene, gravity: float) -> float:
 
 
 def simulated_slide_to_roll(scene: Scene, speed: float, gravity: float = 9.81) -> Roll:
-    """Set a sphere without spin on a level plane and let friction make it roll.
+    """Simulate a sliding sphere without spin on a level plane until it rolls.
 
     Returns
     -------
     Roll
-        Final velocity, the time at which slipping ends, and ``total`` until then.
+        Final velocity, time at which slip ends, and ``total`` until then.
     """
     mu = scene.interaction.static_friction
     expected = 2.0 * speed / (7.0 * mu * gravity)
@@ -90,13 +90,13 @@ def simulated_slide_to_roll(scene: Scene, speed: float, gravity: float = 9.81) -
     result, film = filmed(scene.case(), setup, release, every=5.0 * dt)
     slip = film.of("vx") + scene.radius * film.of("wz")
     end = int(np.argmax(slip < 1e-3 * speed))
-    # Slip falls linearly, so its last thousandth is added.
+    # The slip velocity decreases linearly, so the time of its last thousandth is added.
     time = film.time[end] / (1.0 - 1e-3)
     return Roll(float(film.of("vx")[-1]), time, float(result.worn[-1, 0]))
 
 
 def incline(scene: Scene, angle_deg: float, gravity: float = 9.81) -> float:
-    """Set a sphere at rest on an inclined plane; return its acceleration down the slope, m/s2."""
+    """Release a sphere at rest on an inclined plane; return its acceleration downhill, m/s2."""
     settling = _settled(scene, gravity)
     dt = settling / 30.0 / 50.0
     duration = 5.0 * settling
@@ -113,13 +113,13 @@ def incline(scene: Scene, angle_deg: float, gravity: float = 9.81) -> float:
 
 
 def with_law(problem, pairs: bool = False, **factors: float):
-    """The problem with other constants of its contact laws than a study can choose.
+    """Return the problem with scaled constants of the contact laws, which a study cannot choose.
 
     Parameters
     ----------
     problem : Problem
     pairs : bool
-        Whether the contacts between particles change too.
+        Whether the law between particles is changed too.
     **factors : float
         Factors on constants of `abradem.dem.contact.Law`, such as ``ct=1.2``.
     """
@@ -133,25 +133,25 @@ def with_law(problem, pairs: bool = False, **factors: float):
 
 
 def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000, **law: Any):
-    """An impact under a law with other constants than a study can choose.
+    """Simulate an impact with scaled constants of the contact law.
 
     Parameters
     ----------
     scene : Scene
     speed, angle_deg : float
-        m/s and degrees from the normal.
+        m/s, and degrees from the normal.
     steps : int
-        Per contact.
+        Time steps per contact.
     **law : float
-        As in `with_law`.
+        Factors as in `with_law`.
 
     Returns
     -------
     dict
         normal_velocity, tangential_velocity (m/s), spin (rad/s, forward), tangential_impulse
-        (N s), total, friction_work and wear (J), as `plain_impact.plain_impact` names them.
+        (N s), total, friction_work and wear (J), as in `plain_impact.plain_impact`.
     ndarray, shape (n, 3)
-        Time since the begin (s), normal and tangential force (N) at every step.
+        Time since the start of the contact (s), normal and tangential force (N) at every step.
     """
     from abradem.dem.state import DONE, FLYING, make_problem, make_state
     from abradem.dem.synchronous import advance
@@ -172,7 +172,7 @@ def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000,
         overlap = max(scene.radius - float(sphere["y"]), 0.0)
         if overlap > 0.0:
             normal, tangential = float(sphere["plate_fn"]), float(sphere["plate_tx"])
-            # The surfaces met in the middle of the first step.
+            # The surfaces meet in the middle of the first step.
             track.append(((step - 0.5) * dt, normal, tangential))
             if sphere["plate_slips"]:
                 way = abs(float(sphere["vx"]) + scene.radius * float(sphere["wz"])) * dt
@@ -192,9 +192,9 @@ def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000,
 
 
 def poured_with(case, setup, releases, **law: float) -> np.ndarray:
-    """Velocities (m/s) at ``setup.duration`` of particles from given releases, all still in flight.
+    """Return the velocities of particles from given releases at ``setup.duration``, m/s.
 
-    The constants of all contacts are multiplied as in `with_law`.
+    All particles must be in flight then. The constants of all contacts are scaled as in `with_law`.
     """
     from abradem.dem.state import DONE, make_problem, make_state
     from abradem.dem.synchronous import advance

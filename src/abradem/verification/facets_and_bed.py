@@ -1,4 +1,4 @@
-"""Parts 9 and 10: facets are only bookkeeping; a bed keeps mass and energy and rests in a heap."""
+"""Parts 9 and 10: independence of the facet size; mass, energy and slope of a bed at rest."""
 
 from __future__ import annotations
 
@@ -21,13 +21,14 @@ HEAP = Scene(
     radius=0.008,
     interaction=Interaction(0.3, 0.5, 0.1),
 )
-"""Soft particles with much friction on a level plate; soft only to make the step long."""
+"""Particles with high friction on a level plate; they are soft only to allow a long time step."""
 
 REPOSE = (15.0, 40.0)
-"""Angles of repose of rough spheres lie between these, degrees (Beakawi & Baghabra 2018)."""
+"""Range of the angle of repose of rough spheres, degrees (Beakawi Al-Hashemi & Baghabra Al-Amoudi
+2018, Powder Technol. 330:397)."""
 
 POURED = 0.5
-"""Downwards, m/s."""
+"""Downward speed of the poured particles, m/s."""
 
 AT_REST = 1e-3 * POURED
 ROUNDING = 1e-10
@@ -36,7 +37,7 @@ _LAYERS = 60
 
 
 def facet_checks() -> tuple[list[Check], pd.DataFrame]:
-    """Worn volume and map of one jet for several facet sizes."""
+    """Return checks of the worn volume and the maps of one jet for several facet sizes."""
     rows, maps = [], {}
     for size in _SIZES:
         setup = JET.setup(facet_size=size, duration=3.0, sample_interval=0.5)
@@ -65,8 +66,8 @@ def facet_checks() -> tuple[list[Check], pd.DataFrame]:
     return checks, table
 
 
-class _Ledger(Film):
-    """Film that records the balances of mass and energy as well."""
+class _BalanceFilm(Film):
+    """Film that also records the balances of mass and energy."""
 
     def __init__(self, interval: float):
         super().__init__(interval)
@@ -84,8 +85,8 @@ class _Ledger(Film):
             self.dissipated.append(energy_balance(problem, state)["dissipated"])
 
 
-def pour() -> tuple[SimulationResult, _Ledger]:
-    """Pour layers of nine particles on a level plate, then let them rest for a second."""
+def pour() -> tuple[SimulationResult, _BalanceFilm]:
+    """Pour layers of nine particles on a level plate, followed by a time without feed."""
     pitch = 2.2 * HEAP.radius
     square = [(i * pitch, j * pitch) for i in (-1, 0, 1) for j in (-1, 0, 1)]
     times, places = [], []
@@ -99,24 +100,24 @@ def pour() -> tuple[SimulationResult, _Ledger]:
                  math.sin(turn) * a + math.cos(turn) * b + shift[1])
             )  # fmt: skip
     duration = _LAYERS * _LAYER_TIME + 1.5
-    ledger = _Ledger(0.02)
+    film = _BalanceFilm(0.02)
     result = run_jet(
         HEAP.case(),
         HEAP.setup(duration=duration, sample_interval=0.1),
         releases=(times, places, np.tile([0.0, -POURED, 0.0], (len(times), 1))),
-        recorder=ledger,
+        recorder=film,
     )
-    return result, ledger
+    return result, film
 
 
-def profile(ledger: _Ledger) -> pd.DataFrame:
-    """Places of the resting particles: distance from the axis and height over the plate."""
-    last = ledger.frames[-1]
+def profile(film: _BalanceFilm) -> pd.DataFrame:
+    """Return the positions of the resting particles: distance from the axis and height, m."""
+    last = film.frames[-1]
     return pd.DataFrame({"x": np.hypot(last["x"], last["z"]), "height": last["y"]})
 
 
 def repose_angle_deg(particles: pd.DataFrame, radius: float) -> float:
-    """Slope of the heap's surface: the highest particles of rings one diameter wide."""
+    """Return the slope of the heap from the highest particles in rings one diameter wide, deg."""
     ring = (particles["x"] / (2.0 * radius)).astype(int)
     top = particles.loc[particles.groupby(ring)["height"].idxmax()]
     top = top[top["height"] > 1.5 * radius]
@@ -124,13 +125,13 @@ def repose_angle_deg(particles: pd.DataFrame, radius: float) -> float:
 
 
 def bed_checks() -> tuple[list[Check], pd.DataFrame]:
-    """Mass and energy of the heap, and its slope."""
-    result, ledger = pour()
-    counts = np.array(ledger.counts)
-    dissipated = np.array(ledger.dissipated)
-    particles = profile(ledger)
+    """Return checks of the mass, the energy and the slope of the heap."""
+    result, film = pour()
+    counts = np.array(film.counts)
+    dissipated = np.array(film.dissipated)
+    particles = profile(film)
     angle = repose_angle_deg(particles, HEAP.radius)
-    speed = max(float(np.abs(ledger.frames[-1][v]).max()) for v in ("vx", "vy", "vz"))
+    speed = max(float(np.abs(film.frames[-1][v]).max()) for v in ("vx", "vy", "vz"))
     gained = max(0.0, -float(np.diff(dissipated).min())) / result.energy["inserted"]
     checks = [
         Check("released = removed + resident at every look",

@@ -1,4 +1,4 @@
-"""Jets for the study: one cheap particle jet, and rates with their errors from its record."""
+"""Jets of the verification study: an inexpensive jet, and its wear rates with standard errors."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ JET = Scene(
     radius=0.02,
     interaction=Interaction(0.5, 0.475, 0.05),
 )
-"""The middle of the sampled ranges, with particles large enough to be few."""
+"""The middle of the sampled ranges, with large and therefore few particles."""
 
 
 class Rate(NamedTuple):
-    """Rate of F_n ds of the whole plate (W = 1) and its standard error, W."""
+    """Rate of F_n ds of the whole plate (W = 1) and its standard error, W, and its start, s."""
 
     value: float
     stderr: float
@@ -29,13 +29,13 @@ class Rate(NamedTuple):
 
 
 def jet_case(**changes) -> Case:
-    """A case of the jet: 45 deg plate, level factory, 3 m/s downwards."""
+    """Return a case of the jet: plate at 45 deg, level factory, 3 m/s downwards, or ``changes``."""
     values = {"plate_angle": 45.0, "factory_angle": 0.0, "particle_velocity_y": -3.0}
     return JET.case(**(values | changes))
 
 
 def run_jet(case: Case, setup: Setup, **options) -> SimulationResult:
-    """Simulate; a case that ends early is an error, for its rate would mean nothing."""
+    """Simulate a case; raise RuntimeError if it ends early, because its rate would be invalid."""
     from abradem.dem import simulate
 
     result = simulate(case, setup, **options)
@@ -45,14 +45,14 @@ def run_jet(case: Case, setup: Setup, **options) -> SimulationResult:
 
 
 def rate_of(result: SimulationResult, measure: str = "total", start: float | None = None) -> Rate:
-    """Steady rate of a wear measure with its error from batch means.
+    """Return the steady rate of a wear measure and its standard error from batch means.
 
     Parameters
     ----------
     result : SimulationResult
     measure : str
     start : float, optional
-        End of the transient, s; by default that of ``total`` alone (`steady_start`).
+        End of the transient, s; the default is that of ``total`` (`steady_start`).
     """
     if start is None:
         start = steady_start(result.time, result.worn[:, 0]).time
@@ -61,6 +61,6 @@ def rate_of(result: SimulationResult, measure: str = "total", start: float | Non
 
 
 def spread(values) -> tuple[float, float]:
-    """Mean of replicates and its standard error."""
+    """Return the mean of replicates and its standard error."""
     values = np.asarray(values, dtype=float)
     return float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))

@@ -1,4 +1,4 @@
-"""Part 1: every closed form, computed with a converged step; sweeps and order of convergence."""
+"""Part 1: all closed forms with a converged time step, parameter sweeps, order of convergence."""
 
 from __future__ import annotations
 
@@ -28,14 +28,15 @@ BETA_ANCHORS = {
     0.20: (0.7313, 0.325), 0.35: (0.4186, 0.434), 0.50: (0.2553, 0.550),
     0.65: (0.1499, 0.675), 0.80: (0.0744, 0.808), 0.95: (0.0165, 0.9505),
 }  # fmt: skip
-"""Restitution: damping that rebounds at it, and rebound of the clipped textbook damping; from an
-integration of the scaled impact independent of this package."""
+"""By restitution: the damping for which the rebound equals it, and the rebound with clipped
+textbook damping. Both are from an integration of the scaled impact that is independent of this
+package."""
 
 SPHERE_PAIRS = {
     "glass": (solid(48e9, 0.20, 2800.0), exact.Hertz(10697.0, 274.1e-6, 40.34e-6)),
     "limestone": (solid(20e9, 0.25, 2500.0), exact.Hertz(7108.0, 368.3e-6, 54.20e-6)),
 }
-"""Two spheres of R 10 mm that meet at +-10 m/s (Chung & Ooi 2011, test 1)."""
+"""Two spheres of R 10 mm that collide at +-10 m/s (Chung & Ooi 2011, test 1)."""
 
 SPHERES_ON_PLANE = {
     "aluminium alloy": (solid(70e9, 0.30, 2699.0), exact.Hertz(11370.0, 49.72e-6, 731.7e-6)),
@@ -48,22 +49,23 @@ RIGID = solid(1e24, 0.30, 7800.0)
 SOFT = Scene(particle=solid(1e7, 0.25, 2500.0)).with_interaction(
     restitution=0.3, static_friction=0.3
 )
-"""A soft sphere: its normal vibration dies away while it slides and rolls."""
+"""A soft sphere: its normal vibration decays while it slides and rolls."""
 
 GRAVITY = 9.81
 
 ONE_STEP = 1.0 / STEPS_PER_CONTACT
-"""Where begin and end of a contact, or of slip, are met to a step; measured errors are smaller."""
+"""Tolerance if the start and end of a contact, or of slip, are resolved to a step; the actual
+errors are smaller."""
 
 ROUNDING = 1e-9
-"""Where the discrete motion follows the form as such."""
+"""Tolerance if the discrete motion satisfies the closed form exactly."""
 
 CREEP = 1e-6 * GRAVITY
-"""At rest: the normal vibration has died away to a millionth."""
+"""Tolerance of an acceleration at rest, m/s2: the normal vibration has decayed to a millionth."""
 
 
 def rebound_checks() -> list[Check]:
-    """Restitution of normal impacts and the damping behind it."""
+    """Return checks of the rebound of normal impacts and of the damping."""
     checks = []
     for e, (beta, clipped) in BETA_ANCHORS.items():
         scene = Scene().with_interaction(restitution=e)
@@ -80,7 +82,7 @@ def rebound_checks() -> list[Check]:
 
 
 def hertz_checks() -> list[Check]:
-    """Force, overlap and duration of elastic impacts against the published numbers."""
+    """Return checks of force, overlap and duration of elastic impacts against published values."""
     checks = []
     for name, (material, known) in SPHERE_PAIRS.items():
         scene = Scene(material).with_interaction(restitution=1.0)
@@ -103,7 +105,7 @@ def _hertz(words: str, found: exact.Hertz, known: exact.Hertz) -> list[Check]:
 
 
 def slip_checks() -> list[Check]:
-    """Impacts that slip throughout; e = 1, and e < 1 under the capped damping."""
+    """Return checks of impacts that slip throughout: e = 1, and e < 1 with capped damping."""
     checks = []
     for mu, mu_r, e in ((0.3, 0.0, 1.0), (0.45, 0.0, 1.0), (0.3, 0.05, 1.0), (0.3, 0.0, 0.5)):
         scene = Scene().with_interaction(restitution=e, static_friction=mu, rolling_friction=mu_r)
@@ -121,18 +123,18 @@ def slip_checks() -> list[Check]:
     return checks
 
 
-def book_checks() -> list[Check]:
-    """Friction work is the loss of slip energy for any tangential law; momentum is kept."""
+def balance_checks() -> list[Check]:
+    """Return checks of the friction work, for any tangential law, and of momentum conservation."""
     checks = []
     for tangential in ("incremental", "displacement"):
         scene = Scene(contact=ContactModel(tangential=tangential))
         for angle in (10.0, 40.0, 75.0):
             impact = scene.impact(SPEED, angle)
             after = impact.tangential_velocity + scene.radius * impact.spin[2]
-            book = exact.friction_book(scene.mass, _components(angle)[1], after)
+            work = exact.friction_work(scene.mass, _components(angle)[1], after)
             checks.append(
                 Check(f"friction work = (m/7)(v_c^2 - v_c'^2), {tangential}, {angle:g} deg",
-                      impact.friction_work, book, ROUNDING, "J")
+                      impact.friction_work, work, ROUNDING, "J")
             )  # fmt: skip
     scene = Scene().with_interaction(restitution=0.6)
     film, _ = head_on(scene, 2.0, 1e-4, spins=((10, -50, 120), (30, 70, -20)), offset=0.006)
@@ -156,7 +158,7 @@ def book_checks() -> list[Check]:
 
 
 def similarity_checks() -> list[Check]:
-    """Wear measures over m v^2 do not depend on speed, size, density or all moduli together."""
+    """Return checks that wear over m v^2 is independent of speed, size, density and all moduli."""
     changes = {
         "speed": (Scene(), 8.0),
         "radius": (Scene(radius=0.04), SPEED),
@@ -172,7 +174,7 @@ def similarity_checks() -> list[Check]:
 
 
 def plane_checks() -> list[Check]:
-    """Sliding into rolling, and the incline."""
+    """Return checks of the transition from sliding to rolling, and of the incline."""
     form = exact.slide_to_roll(SOFT.mass, 1.0, 0.3, GRAVITY)
     found = simulated_slide_to_roll(SOFT, 1.0)
     checks = [
@@ -198,7 +200,7 @@ def plane_checks() -> list[Check]:
 
 
 def flight_check() -> Check:
-    """A thrown particle against x0 + v t - g t^2 / 2."""
+    """Return the check of free flight against x0 + v t - g t^2 / 2."""
     scene, time = Scene(), 0.5
     velocity = np.array([3.0, 2.0, -1.0])
     start = np.array([0.0, 5.0, 0.0])
@@ -212,7 +214,7 @@ def flight_check() -> Check:
 
 
 def law_checks() -> list[Check]:
-    """What tells the laws apart: ``total`` at 30 degrees, e = 0.5, mu = 0.45."""
+    """Return checks of ``total`` at 30 degrees, e = 0.5, mu = 0.45, which differs between laws."""
     known = {
         "default": (ContactModel(), 0.187),
         "no tangential damping": (ContactModel(tangential_damping="none"), 0.384),
@@ -229,15 +231,15 @@ def law_checks() -> list[Check]:
 
 
 def fast_checks() -> list[Check]:
-    """All checks of this part but the order of convergence."""
+    """Return all checks of this part except for the order of convergence."""
     return [
-        *rebound_checks(), *hertz_checks(), *slip_checks(), *book_checks(), *similarity_checks(),
+        *rebound_checks(), *hertz_checks(), *slip_checks(), *balance_checks(), *similarity_checks(),
         *plane_checks(), flight_check(), *law_checks(),
     ]  # fmt: skip
 
 
 def restitution_sweep() -> pd.DataFrame:
-    """Damping and rebound against e, for the three normal laws."""
+    """Return damping and rebound over e for the three normal laws."""
     rows = []
     for e in np.round(np.arange(0.05, 1.0001, 0.05), 2):
         row = {"restitution": e, "exact_beta": exact_beta(e), "nominal_beta": nominal_beta(e)}
@@ -252,7 +254,7 @@ def restitution_sweep() -> pd.DataFrame:
 
 
 def angle_sweep() -> pd.DataFrame:
-    """Elastic impacts over the angle, with the slip branch where it holds (else nan)."""
+    """Return elastic impacts over the angle, with exact values if the impact slips, else nan."""
     rows = []
     for mu in (0.1, 0.3, 0.45):
         scene = Scene().with_interaction(restitution=1.0, static_friction=mu)
@@ -282,17 +284,17 @@ def angle_sweep() -> pd.DataFrame:
 WEAR_MEASURES = {"total": "total", "sliding": "sliding", "friction": "friction_work"}
 _STEPS = (8, 16, 32, 64, 128, 256)
 _FINE = 32
-"""Steps per contact from which the order of convergence is read."""
+"""Smallest number of steps per contact in the fit of the order of convergence."""
 _REFERENCE_STEPS = 8192
 _ANGLES = (20.0, 35.0, 50.0, 65.0)
 _PHASES = 32
 
 
 def convergence() -> pd.DataFrame:
-    """Error of each wear measure, averaged over the phase of entry, against the steps per contact.
+    """Return the error of each wear measure over the steps per contact, averaged over the phase.
 
-    The errors of a wear measure are shares of its mean over the angles: at steep angles ``sliding``
-    is next to nothing.
+    Errors are shares of the mean of the wear measure over the angles, because ``sliding`` is almost
+    zero at steep angles.
     """
     rows = []
     for e in (0.2, 0.5, 0.8):
@@ -319,7 +321,7 @@ def convergence() -> pd.DataFrame:
 
 
 def orders(convergence: pd.DataFrame) -> pd.DataFrame:
-    """Slope of the mean absolute error against the step, both logarithmic, for fine steps."""
+    """Return the slope of the mean absolute error over the step, in logarithms, for fine steps."""
     rows = []
     fine = convergence[convergence["steps"] >= _FINE]
     for measure, part in fine.groupby("measure", sort=False):

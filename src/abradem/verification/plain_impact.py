@@ -1,7 +1,7 @@
-"""An impact on a plane integrated again: nothing of the engine, tiny explicit steps.
+"""Independent integration of an impact on a plane: no code of the engine, very small steps.
 
-It repeats the written law and the choices in which other codes differ from it. What is left of a
-difference once the other code's choices are taken over is not explained by them.
+It implements the documented law and the choices in which other codes differ. The difference that
+remains with the choices of the other code is not explained by them.
 """
 
 from __future__ import annotations
@@ -17,29 +17,30 @@ from abradem.verification import closed_forms as exact
 from abradem.verification.scenes import Scene
 
 STEPS = 10_000
-"""Of an elastic contact of the same approach. First order: errors are a few times 1e-4."""
+"""Steps in an elastic contact with the same approach speed. The integration is of first order, with
+errors of a few 1e-4."""
 
 
 @dataclass(frozen=True)
 class Choices:
-    """What codes choose differently; the defaults are ours.
+    """Choices in which codes differ; the defaults are those of this engine.
 
     Parameters
     ----------
     spring_keeps : {"cap", "cap less damping"}
-        What is left of the spring where Coulomb's cap acts on spring plus damping.
+        Spring force after Coulomb's law has limited the sum of spring and damping force.
     capped_in_stick : bool
-        Whether the spring is limited to the cap where spring plus damping stay below it.
+        Whether the spring is limited to the cap while spring plus damping is below it.
     weakens : bool
-        Whether the spring force shrinks with the stiffness while the contact unloads.
+        Whether the spring force decreases with the stiffness while the contact unloads.
     rolling_load : {"total", "elastic"}
-        Part of F_n that resists rolling.
+        Part of F_n in the rolling resistance.
     arm : float
-        The lever arm is the radius less this share of the overlap.
+        The lever arm is the radius minus this share of the overlap.
     wall_radius : float
-        Effective radius at a wall over that of the sphere.
+        Effective radius at a wall over the radius of the sphere.
     corrected_tangential : bool
-        Whether the tangential damping takes the beta that is corrected for the clip.
+        Whether the tangential damping uses the beta that is corrected for the clip.
     """
 
     spring_keeps: str = "cap"
@@ -59,21 +60,21 @@ def plain_impact(
     Parameters
     ----------
     scene : Scene
-        Its contact model is the law; ``choices`` are what a model leaves open.
+        Its contact model defines the law; ``choices`` are not part of a contact model.
     speed, angle_deg : float
         m/s, and degrees from the normal.
     choices : Choices
     steps : int
-        Of an elastic contact.
+        Time steps in an elastic contact.
 
     Returns
     -------
     dict
         normal_velocity, tangential_velocity (m/s), spin (rad/s, forward), tangential_impulse
-        (N s), total, friction_work (J) and wear: the elastic part of F_n times the way, while
-        the contact slips (J).
+        (N s), total, friction_work (J) and wear: the elastic part of F_n times the sliding
+        distance while the contact slips (J).
     ndarray, shape (n, 3)
-        Time since the begin (s), normal and tangential force (N) at every step.
+        Time since the start of the contact (s), normal and tangential force (N) at every step.
     """
     model, interaction = scene.contact, scene.interaction
     mass, radius, mu = scene.mass, scene.radius, interaction.static_friction

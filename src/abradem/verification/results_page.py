@@ -1,4 +1,4 @@
-"""The page of results: every check of the study with its verdict, written from the tables.
+"""The results page: all checks of the study with their verdicts, generated from the tables.
 
 ``python -m abradem.verification.results_page`` writes the page of the last ``make verify`` to
 docs/verification-table.md.
@@ -36,12 +36,12 @@ parts and tolerances: [verification.md](verification.md).
 
 
 def results_page(checks: pd.DataFrame) -> str:
-    """Markdown page of all checks.
+    """Return the Markdown page of all checks.
 
     Parameters
     ----------
     checks : pandas.DataFrame
-        As `abradem.verification.checks.checks_table` makes them, all parts together.
+        Tables of `abradem.verification.checks.checks_table` for all parts, concatenated.
     """
     holds = int((checks["verdict"] == HOLDS).sum())
     lines = [f"{holds} of {len(checks)} checks hold.", ""]
@@ -62,7 +62,7 @@ _MOST_NOTES = 12
 
 
 def verdict_counts(checks: pd.DataFrame) -> dict:
-    """Number of checks, of those that hold, and the laws that fail."""
+    """Return the number of checks, the number of checks that hold, and the laws that fail."""
     failing = checks.loc[checks["verdict"] != HOLDS, "law"]
     return {
         "checks": len(checks),
@@ -92,7 +92,7 @@ def _line(row: dict) -> str:
 
 
 def plain_number(value: float, digits: int = 4) -> str:
-    """A number as printed in the page."""
+    """Return a number as printed on the page."""
     return f"{value:.{digits}g}"
 
 

@@ -1,4 +1,4 @@
-"""Small scenes for checks: materials by Young's modulus, one sphere or two, and what they do."""
+"""Small scenes for checks: materials, set-ups with one or two spheres, and a recorder."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from abradem.dem.state import FLYING, GONE, make_problem
 from abradem.elastic import shear_modulus, sphere_mass
 
 WIDE = 2e3
-"""Edge of a plate that stands for a plane, m."""
+"""Edge length of a plate that represents a plane, m."""
 
 NOMINAL_SPEED = 3.9
 """Speed of the impacts that are compared with other codes, m/s."""
 
 
 def solid(youngs_modulus: float, poisson_ratio: float, density: float) -> Material:
-    """Material by its Young's modulus (Pa), Poisson ratio (1) and density (kg/m3)."""
+    """Return a material from Young's modulus (Pa), Poisson ratio (1) and density (kg/m3)."""
     return Material(shear_modulus(youngs_modulus, poisson_ratio), poisson_ratio, density)
 
 
 PARTICLE = solid(15e9, 0.25, 2500.0)
 STEEL = solid(200e9, 0.30, 7800.0)
 PARTICLE_RADIUS = 0.01
-"""The impact of the comparison with other codes: a 10 mm particle on steel, mu = 0.45."""
+"""Impact for the comparison with other codes: a particle of radius 10 mm on steel, mu = 0.45."""
 
 PARTICLE_ON_STEEL = Interaction(0.5, 0.45, 0.0)
 
 
 @dataclass(frozen=True)
 class Scene:
-    """Spheres of one material and a plate, as single impacts and `simulate` take them.
+    """Spheres of one material and a plate, for single impacts and for `simulate`.
 
     Parameters
     ----------
@@ -52,15 +52,15 @@ class Scene:
 
     @property
     def mass(self) -> float:
-        """kg."""
+        """Mass of a sphere, kg."""
         return sphere_mass(self.radius, self.particle.density)
 
     def with_interaction(self, **changes) -> Scene:
-        """The scene with another restitution, static or rolling friction."""
+        """Return the scene with another restitution, static or rolling friction."""
         return replace(self, interaction=replace(self.interaction, **changes))
 
     def impact(self, speed: float, angle_deg: float, **options):
-        """`abradem.single_impact` of this scene."""
+        """Return `abradem.single_impact` for this scene."""
         from abradem.dem.impact import single_impact
 
         return single_impact(
@@ -69,7 +69,7 @@ class Scene:
         )  # fmt: skip
 
     def case(self, **changes) -> Case:
-        """A case of this scene; jet and plate angles are 0 unless changed."""
+        """Return a case of this scene; factory and plate angle are 0 unless changed."""
         values = {
             "particle_shear_modulus": self.particle.shear_modulus,
             "particle_poisson_ratio": self.particle.poisson_ratio,
@@ -90,11 +90,11 @@ class Scene:
         return Case(**(values | changes))
 
     def setup(self, **changes) -> Setup:
-        """A set-up with this contact model."""
+        """Return a set-up with this contact model."""
         return Setup(**({"contact": self.contact} | changes))
 
     def plane(self, **changes) -> Setup:
-        """A set-up whose plate is a plane of one facet; nothing is ever removed from it."""
+        """Return a set-up whose plate is a plane with one facet; no particle is ever removed."""
         wide = {
             "plate_length": WIDE,
             "plate_width": WIDE,
@@ -104,7 +104,7 @@ class Scene:
         return self.setup(**(wide | changes))
 
     def empty_space(self, **changes) -> Setup:
-        """A set-up without gravity whose plate is a speck that nothing meets near y = 1 m."""
+        """Return a set-up without gravity and with a tiny plate, for spheres near y = 1 m."""
         speck = {
             "plate_length": 1e-3,
             "plate_width": 1e-3,
@@ -116,12 +116,12 @@ class Scene:
 
 
 class Film:
-    """Recorder of what every particle does, from the first release on, for `abradem.simulate`.
+    """Recorder for `abradem.simulate` of all particles, from the first release on.
 
     Parameters
     ----------
     interval : float
-        Time between frames, s; at most the time step records every step.
+        Time between frames, s; with the time step or less, every step is recorded.
     """
 
     FIELDS = ("x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz", "plate_fn", "plate_energy")
@@ -135,7 +135,7 @@ class Film:
         self.worn: list[float] = []
 
     def record(self, time: float, problem, state) -> None:
-        """Keep a frame; the engine calls it."""
+        """Record a frame; called by the engine."""
         tally = state.tally[0]
         step, live = int(tally["step"]), int(tally["live"])
         if live == 0 and not self.frames:
@@ -152,7 +152,7 @@ class Film:
         self.worn.append(float(tally["worn_total"]))
 
     def of(self, name: str, particle: int = 0) -> np.ndarray:
-        """A field of one particle against time; frames before its release are nan."""
+        """Return a field of one particle over time; nan in frames before its release."""
         return np.array(
             [f[name][particle] if f[name].size > particle else math.nan for f in self.frames]
         )
@@ -166,9 +166,9 @@ def filmed(case: Case, setup: Setup, releases, every: float | None = None):
     case, setup : Case, Setup
         ``setup.duration`` must be given.
     releases : tuple
-        As `abradem.simulate` takes them.
+        Releases as in `abradem.simulate`.
     every : float, optional
-        Time between frames, s; by default every step.
+        Time between frames, s; by default every step is recorded.
     """
     from abradem.dem import simulate
 

@@ -1,6 +1,7 @@
-"""Part 5: is the standard error leakage-free, and does stopping on it bias the mean?
+"""Part 5: checks that the standard error is correct and that the stop rule does not bias the mean.
 
-Replicates of cheap jets that differ in the seed only. The truth is the mean of all of a case.
+The replicates are inexpensive jets that differ only in the seed. The reference is the mean over all
+replicates of a case.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ _FIXED = 10.0
 _BATCHES = 20
 _CASE = {"plate_angle": 30.0, "particle_radius": 0.015}
 _FEW = {"plate_angle": 50.0, "particle_radius": 0.03}
-"""So few particles (6 a batch) that their even spacing in time shows."""
+"""A case with so few particles (6 per batch) that their even spacing in time has an effect."""
 
 _PLATES, _RADII, _EACH = (25.0, 35.0, 45.0, 55.0), (0.012, 0.015, 0.018), 40
-"""Cases of the intervals, and replicates of each."""
+"""Cases for the coverage of the intervals, and number of replicates of each."""
 
 
 def fixed_runs(replicates: int = REPLICATES, case: dict = _CASE, first: int = 0) -> pd.DataFrame:
-    """Rate and standard error of runs of one length whose seeds count from ``first``."""
+    """Return rate and standard error of runs of fixed length with seeds from ``first`` on."""
     rows = []
     for seed in range(first, first + replicates):
         result = run_jet(
@@ -40,13 +41,13 @@ def fixed_runs(replicates: int = REPLICATES, case: dict = _CASE, first: int = 0)
 
 
 def interval_runs(each: int = _EACH) -> pd.DataFrame:
-    """Runs of all cases, of their case's mean, and whether the 95 % interval holds that mean."""
+    """Return runs of all cases over the mean of the case, and whether the interval contains it."""
     frames = []
     for number, (angle, radius) in enumerate(itertools.product(_PLATES, _RADII)):
         case = {"plate_angle": angle, "particle_radius": radius}
         frame = fixed_runs(each, case, first=1000 * number)
         mean = frame["rate"].mean()
-        # The mean is that of the runs themselves, from which they differ by so much less.
+        # The mean is that of the same runs, which reduces the variance of the difference.
         reach = stats.t.ppf(0.975, _BATCHES - 1) * frame["rate_stderr"] * np.sqrt(1.0 - 1.0 / each)
         frames.append(
             pd.DataFrame(
@@ -59,7 +60,7 @@ def interval_runs(each: int = _EACH) -> pd.DataFrame:
 
 
 def stopped_runs(replicates: int = REPLICATES) -> pd.DataFrame:
-    """Rate of runs that the stop rule ended, and the facet statistics of their windows."""
+    """Return the rates of runs ended by the stop rule, and facet statistics of their windows."""
     rows = []
     for seed in range(replicates):
         setup = JET.setup(window=3.0, max_time=20.0, target_stderr=0.03, sample_interval=0.05)
@@ -73,7 +74,7 @@ def stopped_runs(replicates: int = REPLICATES) -> pd.DataFrame:
 
 
 def _facets(result, setup) -> dict:
-    """Statistics over the facets of ``total`` in the window, W/m2 for W = 1."""
+    """Return statistics over the facets of ``total`` in the window, W/m2 for W = 1."""
     wear = result.facet_wear[0]
     seconds = result.window[1] - result.window[0]
     mean = float(wear.sum()) / (setup.plate_area * seconds)
@@ -81,14 +82,14 @@ def _facets(result, setup) -> dict:
 
 
 def _size(errors, values) -> float:
-    """Typical standard error over the spread of the values."""
+    """Return the root mean square standard error over the spread of the values."""
     return float(np.sqrt((errors**2).mean()) / values.std(ddof=1))
 
 
 def checks(
     intervals: pd.DataFrame, fixed: pd.DataFrame, stopped: pd.DataFrame, few: pd.DataFrame
 ) -> list[Check]:
-    """Coverage, size of the standard error, bias of the stop rule, spread of the extremes."""
+    """Return checks of coverage, size of the standard error, and bias of the stop rule."""
     count = len(intervals)
     low, high = stats.binom.ppf([0.025, 0.975], count, 0.95) / count
     cases = intervals.groupby(["plate_angle", "particle_radius"])
@@ -132,7 +133,7 @@ def extremes(stopped: pd.DataFrame) -> pd.DataFrame:
 
 
 def extreme_checks(stopped: pd.DataFrame, table: pd.DataFrame) -> list[Check]:
-    """Extremes over one fixed window do not depend on when the run was ended."""
+    """Return checks that extremes over the fixed window do not depend on the length of the run."""
     found = []
     late = stopped["time"] > stopped["time"].median()
     for name in ("footprint", "p99", "max"):

@@ -1,10 +1,10 @@
-"""Part 6: the paper's steady-state study.
+"""Part 6: the steady-state study of the paper.
 
 The plate angle is varied at a factory angle of 45 deg, and the factory angle at a plate angle of
-45 deg; particles at rest, W = 1e-10 /Pa. The sampled factory angles are -90 to 0, so +45 lies
-outside of them; both signs are done. The patch's tilt does not turn the velocity, it spreads the
-heights of fall: at +45 the particles over the upper half of a plate that rises along +x (positive
-plate angles) start higher, at -45 lower.
+45 deg; particles start at rest, W = 1e-10 /Pa. The sampled factory angles are -90 to 0 deg, which
+does not include +45 deg, so both signs are simulated. The tilt of the patch does not rotate the
+velocity but spreads the fall heights: for a plate that rises along +x (positive plate angles), the
+particles above its upper half start higher at +45 deg and lower at -45 deg.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _MM = 1e3
 
 
 def cases() -> list[tuple[str, float, float]]:
-    """(scene, plate angle, factory angle) of every run."""
+    """Return (scene, plate angle, factory angle) of every run; angles in deg."""
     plate = [
         (f"plate angle varied, factory {factory:+g} deg", angle, factory)
         for factory, angle in itertools.product((45.0, -45.0), PLATE_ANGLES)
@@ -39,7 +39,7 @@ def cases() -> list[tuple[str, float, float]]:
 
 
 def runs() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Rates of all runs, and wear depth against time."""
+    """Return the rates of all runs, and the wear depth over time."""
     rates, series, known = [], [], {}
     setup = JET.setup(duration=_DURATION, sample_interval=0.1)
     depth = ARCHARD_CONSTANT * _MM / setup.plate_area
@@ -63,7 +63,7 @@ def runs() -> tuple[pd.DataFrame, pd.DataFrame]:
 
 
 def checks(rates: pd.DataFrame) -> list[Check]:
-    """R2 above 0.98, and the slope against the angle not a straight line."""
+    """Return checks that R2 is above 0.98 and that the rate is not linear in the angle."""
     found = []
     for scene, part in rates.groupby("scene", sort=False):
         found.append(

@@ -1,7 +1,7 @@
-"""Part 4: what the step does to each wear measure, and the step chosen from it.
+"""Part 4: bias of each wear measure by the time step, and choice of the default step.
 
-Single impacts over all phases of entry, three restitutions and the angles 10 to 75 degrees; then
-a dilute jet whose particles are the same at every step.
+Single impacts are simulated over all phases of entry, for three restitutions and angles from 10 to
+75 degrees, and then a dilute jet with the same particles for all steps.
 """
 
 from __future__ import annotations
@@ -21,16 +21,17 @@ from abradem.verification.scenes import NOMINAL_SPEED, Scene
 
 PART = 4
 PAPERS, CHOSEN = 0.2, Setup().time_step_fraction
-"""The paper's step, and the default, which must hold the headline within `LARGEST_BIAS`."""
+"""Time step of the paper, and the default, whose bias of ``total`` is limited by `LARGEST_BIAS`."""
 
 FRACTIONS = tuple(sorted({0.4, PAPERS, 0.15, 0.1, 0.05, 0.025, CHOSEN}, reverse=True))
-"""Steps as shares of the Rayleigh time."""
+"""Time steps as fractions of the Rayleigh time."""
 
 LARGEST_BIAS = 0.01
 PLATE_ANGLES = (15.0, 30.0, 45.0, 60.0)
 RESTITUTIONS = (0.2, 0.5, 0.8)
 SPEEDS = (NOMINAL_SPEED, 10.0)
-"""m/s; the second is the fastest of the sampled ranges: faster contacts have fewer steps."""
+"""Impact speeds, m/s; the second is the largest of the sampled ranges: faster contacts have fewer
+steps."""
 
 ANGLES = tuple(np.arange(10.0, 75.1, 5.0))
 _PHASES = (np.arange(32) + 0.5) / 32
@@ -39,7 +40,7 @@ _FINE = 0.0125
 
 
 def single_impacts() -> pd.DataFrame:
-    """Bias of each wear measure at each step, averaged over the phase of entry.
+    """Return the bias of each wear measure for each time step, averaged over the phase of entry.
 
     Returns
     -------
@@ -69,7 +70,7 @@ def single_impacts() -> pd.DataFrame:
 
 
 def mean_bias(impacts: pd.DataFrame) -> pd.DataFrame:
-    """Bias summed over the angles, by speed, restitution, wear measure and fraction."""
+    """Return the bias of the sums over the angles by speed, restitution, wear measure and step."""
     keys = ["speed", "restitution", "measure", "fraction"]
     frame = impacts.groupby(keys, sort=False)[["ours", "exact"]].sum().reset_index()
     frame["bias"] = frame["ours"] / frame["exact"] - 1.0
@@ -77,12 +78,14 @@ def mean_bias(impacts: pd.DataFrame) -> pd.DataFrame:
 
 
 def jets(replicates: int = 16, duration: float = 40.0) -> pd.DataFrame:
-    """Bias of a dilute jet's rates at each step against a fine one; the same particles in all.
+    """Return the bias of the rates of a dilute jet relative to a fine step, for each time step.
+
+    The particles are the same for all steps.
 
     Returns
     -------
     pandas.DataFrame
-        plate_angle (nan: of the rates summed over the angles), wear measure, fraction, bias,
+        plate_angle (nan for the rates summed over the angles), wear measure, fraction, bias,
         bias_stderr (over replicates).
     """
     worn = {}
@@ -112,7 +115,7 @@ def jets(replicates: int = 16, duration: float = 40.0) -> pd.DataFrame:
 
 
 def _worn_at(time: float, case, setup) -> np.ndarray:
-    """Cumulative wear by wear measure at a time, whatever the whole steps of the samples are."""
+    """Return the cumulative wear by wear measure at a time, interpolated between samples."""
     result = run_jet(case, setup)
     return np.array([np.interp(time, result.time, column) for column in result.worn.T])
 
@@ -131,11 +134,11 @@ STATED_JET = {
 
 WORST_PLATE = 30.0
 _ROUNDED = 5e-4
-"""Half of the last digit that is stated."""
+"""Half of the last digit of the stated biases."""
 
 
 def checks(mean: pd.DataFrame, jet: pd.DataFrame) -> list[Check]:
-    """The default step keeps ``total`` within 1 %; the biases that are stated are those found."""
+    """Return checks that the default step biases ``total`` by at most 1 %, and of stated biases."""
     found = []
     for row in mean.itertuples():
         if row.fraction == CHOSEN and row.measure == "total":

@@ -1,10 +1,10 @@
-"""Part 8: exponents without a reference solution, in dilute jets.
+"""Part 8: exponents of trends in dilute jets.
 
-Per unit mass wear grows as the square of the speed (gravity off: the speed of impact is that of
-release; with a height of fall H, v^2 + 2 g H; the plate is small, so that first impacts are
-nearly all); it does not depend on the mass of a particle at a
-fixed mass rate and is proportional to it at a fixed number rate; scaling all moduli changes
-nothing. Replicates differ in the seed; an exponent is fitted to each.
+Wear per unit mass is proportional to the square of the impact speed. Without gravity this is the
+release speed v; with a fall height H the square is v^2 + 2 g H. The plate is small, so that almost
+all impacts are first impacts. The wear does not depend on the mass of a particle at a fixed mass
+rate and is proportional to it at a fixed number rate. A common factor on all moduli has no effect.
+Replicates differ in the seed; an exponent is fitted to each.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _DURATION = 20.0
 _PLATE_ANGLE = 55.0
 _GRAVITY = 9.81
 _HEIGHT = 0.25 - JET.radius / math.cos(math.radians(_PLATE_ANGLE))
-"""Mean height of fall: the centre of a particle that touches is R / cos phi above the plate, m."""
+"""Mean fall height, m: the centre of a touching particle is R / cos phi above the plate."""
 
 
 def _setup(**changes):
@@ -60,7 +60,7 @@ def _case(scene, seed: int, **changes):
 
 
 def _per_mass(result) -> float:
-    """``total`` per kilogram that arrived, J/kg."""
+    """Return ``total`` per mass delivered, J/kg."""
     return result.worn[-1, 0] / (result.delivered_mass[-1])
 
 
@@ -69,9 +69,9 @@ def _rate(result) -> float:
 
 
 def measurements() -> pd.DataFrame:
-    """Wear against each quantity, one row per replicate and factor.
+    """Return the wear for changes of each quantity, one row per replicate and factor.
 
-    ``factor`` is what the exponent belongs to: the change of the quantity.
+    ``factor`` is the value, or the factor of change, of the quantity whose exponent is fitted.
     """
     mass_rate = 8.0 * jet_mass(1.0)
     rows = []
@@ -102,7 +102,7 @@ def measurements() -> pd.DataFrame:
 
 
 def jet_mass(factor: float) -> float:
-    """Mass of a particle of the density series, kg."""
+    """Return the mass of a particle of the density series, kg."""
     return _denser(factor).mass
 
 
@@ -112,12 +112,12 @@ EXPECTED = {
 }  # fmt: skip
 
 SYSTEMATIC = 2.0 * LARGEST_BIAS / math.log(_FACTORS[-1] / _FACTORS[0])
-"""Error of an exponent if the step biases the wear at both ends of the range, to opposite sides, by
-as much as `time_step` allows it."""
+"""Error of an exponent if the time step biases the wear at both ends of the range, in opposite
+directions, by the largest bias that `time_step` allows."""
 
 
 def exponents(measurements: pd.DataFrame) -> pd.DataFrame:
-    """Mean exponent over the replicates with its standard error."""
+    """Return the mean exponent over the replicates and its standard error."""
     rows = []
     for quantity, part in measurements.groupby("quantity", sort=False):
         slopes = [

@@ -195,7 +195,7 @@ def wear_rates(
         if key not in constants.index:
             raise ValueError(f"case {key} was simulated but is not among the cases")
         if key not in series_of:
-            raise ValueError(f"case {key} ended well but has no series")
+            raise ValueError(f"case {key} was simulated but has no series")
         rates = _case_rates(
             series_of[key],
             maps_of.get(key, maps.iloc[:0]),
