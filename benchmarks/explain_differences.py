@@ -1,10 +1,11 @@
-"""Take over the choices of other codes one by one and see which differences they explain.
+"""Find the choices of other codes that explain differences from this engine.
 
     python benchmarks/explain_differences.py
 
 prints, for every code, law and restitution of tests/data/codes, the largest difference of any
-quantity (of its largest value over the angles) from the law integrated again under our choices,
-with each of the other code's choices alone, and with all of them.
+quantity (as a share of its largest value over the angles) from an independent integration of the
+law: with the choices of this engine, with each choice of the other code alone, and with all of
+them.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ TABLE = Path(__file__).parents[1] / "tests" / "data" / "codes" / "single_impacts
 
 
 def worst(part, choices: Choices) -> str:
-    """The quantity with the largest difference, and that difference."""
+    """Return the largest difference and its quantity as text."""
     found = []
     for row in part.to_dict("records"):
         scene = codes.scene_of(row["variant"], row["restitution"], row["rolling_friction"])

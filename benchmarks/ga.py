@@ -1,18 +1,19 @@
-"""How fast the genetic search is, against a plain loop over torch's own layers.
+"""Speed of the genetic search compared with a plain loop over the layers of torch.
 
     python benchmarks/ga.py [--cores N] [--generations N] [--rows N]
 
-Networks of the study's ranges (2 to 6 hidden layers of 10 to 500 neurons) at its training
-settings (12 features, 20 epochs, batches of 32, Adam). The plain loop trains one network after
-the other with one thread, which on such small networks is torch's best; both train the same
-networks. Then a whole search is timed.
+The networks are in the ranges of the study (2 to 6 hidden layers of 10 to 500 neurons), with its
+training settings (12 features, 20 epochs, batches of 32, Adam). The plain loop trains one network
+after the other with one thread, the fastest setting of torch for such small networks. Both train
+the same networks. Then a complete search is timed.
 
-What was tried: flat weight vectors with hand-written gradients and the fused optimiser (kept);
-one network per core with one thread (kept, processes: threads share the interpreter's lock);
-the largest first (kept); repeated chromosomes from memory (kept); padding to one batch (no gain
-on a processor, kept for graphics cards); grouping by depth (only of use to batches); stopping
-hopeless networks early (left out: against others, the score of a network would depend on them;
-against a fixed bar, few networks are below it, see docs/learning.md).
+Optimisations that were tried: flat weight vectors with hand-written gradients and the fused
+optimiser (kept); one network per core with one thread (kept, with processes, because threads share
+the lock of the interpreter); the largest network first (kept); results of repeated chromosomes from
+memory (kept); padding to one batch (no gain on a CPU, kept for GPUs); grouping by depth (only
+useful for batches); early stopping of poor networks (not used: relative to other networks, the
+score of a network would depend on them; relative to a fixed threshold, few networks are below it,
+see docs/learning.md).
 """
 
 from __future__ import annotations
@@ -34,13 +35,13 @@ from abradem.learning.baselines.genetic import (
 from abradem.learning.network import Training
 
 LIMIT = 100.0
-"""Seconds that 25 generations of 10 networks may take on two cores."""
+"""Largest time of 25 generations of 10 networks on two cores, s."""
 GAIN = 1.5
-"""Least gain over the plain loop."""
+"""Smallest gain over the plain loop."""
 
 
 def plain(hidden: tuple[int, ...], seed: int, x: np.ndarray, y: np.ndarray, training: Training):
-    """One network trained with torch's layers, gradients and optimiser."""
+    """Return one network trained with the layers, gradients and optimiser of torch."""
     torch.manual_seed(seed)
     sizes, layers = (x.shape[1], *hidden, 1), []
     for a, b in pairwise(sizes):
@@ -78,7 +79,7 @@ def main() -> None:
 
     plain(nets[0], 0, problem.x, problem.y, training)
     train_again(nets[0], [0], problem.x, problem.y, training)
-    # In turns, so that a machine with other work slows both alike.
+    # Alternating, so that other load on the machine affects both equally.
     loop = ours = 0.0
     for net in nets:
         began = time.perf_counter()
@@ -107,7 +108,7 @@ def main() -> None:
 
 
 def _work(hidden: tuple[int, ...]) -> float:
-    """Time of a network in arbitrary units: its parameters and what every layer costs."""
+    """Return the time of a network in arbitrary units: parameters plus a constant per layer."""
     sizes = (12, *hidden, 1)
     return sum(a * b + 20_000 for a, b in pairwise(sizes))
 

@@ -1,9 +1,9 @@
-"""Where the time of a scenario goes, by function and by line: python benchmarks/hotspots.py B.
+"""Profile of a scenario by function and by line: python benchmarks/hotspots.py B.
 
-Samples the processor with Linux' `perf` while the engine simulates, and finds the source of each
-sample from the line numbers of the machine code, through all functions that were put into
-others. The engine is compiled with line numbers for this, into a folder of its own; that takes a
-minute or two the first time and does not change its speed. Needs `perf` and binutils.
+The processor is sampled with `perf` of Linux while the engine simulates. The source of each sample
+is found from the line numbers in the machine code, including inlined functions. For this the engine
+is compiled with line numbers into a separate cache folder, which takes a minute or two the first
+time and does not change its speed. Needs `perf` and binutils.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from pathlib import Path
 WITH_LINES = "NUMBA_DEBUGINFO"
 SAMPLES_PER_SECOND = 997
 CODE_SECTION = ".ltext"
-"""Where numba puts machine code in its object files."""
+"""Section of numba's object files with the machine code."""
 
 _DEMANGLED = re.compile(r"abradem::dem::(\w+)::(\w+)\[")
 _MANGLED = re.compile(r"^_ZN7abradem3dem\d+([a-z_]+?)(\d+)(\w+)")
 
 
 KEPT: dict[int, bytes] = {}
-"""Machine code from numba's cache, by library: numba itself drops it once it is loaded."""
+"""Machine code from numba's cache by library; numba itself drops it after loading."""
 
 
 def keep_cached_code() -> None:
-    """Let numba's libraries leave what they get from the cache in `KEPT`."""
+    """Make numba's libraries store the code that they load from the cache in `KEPT`."""
     from numba.core.codegen import CodeLibrary
 
     put = CodeLibrary._set_compiled_object
@@ -47,7 +47,7 @@ def keep_cached_code() -> None:
 
 
 def compiled_kernels():
-    """Yield object file (bytes), name of a function in it and its address, for each kernel."""
+    """Yield for each kernel the object file (bytes), the name of its function and the address."""
     import abradem.dem
 
     folder = Path(abradem.dem.__file__).parent
@@ -58,7 +58,7 @@ def compiled_kernels():
                 continue
             for overload in getattr(kernel, "overloads", {}).values():
                 library, function = overload.library, overload.fndesc.llvm_func_name
-                # numba has no public way to the machine code of a library.
+                # numba has no public access to the machine code of a library.
                 address = library._codegen._engine._ee.get_function_address(function)
                 data = KEPT.get(id(library)) or library._compiled_object
                 if data is not None:
@@ -66,7 +66,7 @@ def compiled_kernels():
 
 
 def placed_code(folder: Path):
-    """Write the object files; return (path, address at which its code begins, size) of each."""
+    """Write the object files; return (path, start address of the code, size) of each."""
     placed = {}
     for data, function, address in compiled_kernels():
         path = folder / f"{len(placed)}.o"
@@ -82,12 +82,12 @@ def placed_code(folder: Path):
 
 
 def output(*command: str) -> str:
-    """What a program prints."""
+    """Return the output of a program."""
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
 def function_name(symbol: str) -> str:
-    """``module.function`` of the engine, or "" for what is numba's own."""
+    """Return ``module.function`` of the engine, or "" for functions of numba."""
     if found := _DEMANGLED.search(symbol):
         return f"{found[1]}.{found[2]}"
     if found := _MANGLED.match(symbol):
@@ -96,7 +96,7 @@ def function_name(symbol: str) -> str:
 
 
 def chains(samples, code):
-    """Yield (count, [(function, file:line), ...]) from the innermost function outwards."""
+    """Yield (count, [(function, file:line), ...]), innermost function first."""
     by_file = collections.defaultdict(collections.Counter)
     for address in samples:
         for path, start, size in code:
@@ -124,7 +124,7 @@ def chains(samples, code):
 
 
 def record(scenario: str, seconds: float | None, stepping: str):
-    """Simulate a scenario under `perf`; print the shares of functions and lines."""
+    """Simulate a scenario under `perf` and print the shares of functions and lines."""
     from dataclasses import replace
 
     from speed import SCENARIOS, timed
@@ -155,11 +155,11 @@ def record(scenario: str, seconds: float | None, stepping: str):
         samples = [int(line, 16) for line in script.split() if line]
         found = list(chains(samples, code))
     print(f"{scenario}, {stepping}: {result.simulated_time:g} s simulated, {len(samples)} samples")
-    tell(found)
+    print_shares(found)
 
 
-def tell(found) -> None:
-    """Print the share of each function alone and with all that was put into it, and of lines."""
+def print_shares(found) -> None:
+    """Print the share of each function, alone and with inlined functions, and of each line."""
     alone, within, lines = (collections.Counter() for _ in range(3))
     for count, chain in found:
         alone[chain[0][0]] += count
@@ -176,10 +176,10 @@ def tell(found) -> None:
 
 
 def main() -> None:
-    """Start a process whose engine has line numbers, and let it do the work."""
-    parser = argparse.ArgumentParser(description="where the time of a scenario goes")
-    parser.add_argument("scenario", help="of A, M, B, D")
-    parser.add_argument("--seconds", type=float, help="simulate so long, whatever the scenario")
+    """Start a process with an engine that has line numbers, and profile it."""
+    parser = argparse.ArgumentParser(description="profile of a scenario by function and by line")
+    parser.add_argument("scenario", help="one of A, M, B, D")
+    parser.add_argument("--seconds", type=float, help="duration instead of that of the scenario, s")
     parser.add_argument("--stepping", default="islands", help="islands or synchronous")
     chosen = parser.parse_args()
     for program in ("perf", "addr2line", "nm", "objdump"):

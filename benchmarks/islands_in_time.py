@@ -1,7 +1,7 @@
 """Draw when the particles of a small scene are stepped: python benchmarks/islands_in_time.py PNG.
 
-A dozen particles on a small plate, looked at after every lattice step through the engine's state:
-which are asleep, which touch the plate, which touch each other.
+The scene is a dozen particles on a small plate. After every lattice step the state of the engine
+shows which particles are asleep, touch the plate, or touch each other.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ NAMES = ("asleep", "awake", "plate", "particle")
 
 
 def watched(case, setup):
-    """Simulate, looking after each step.
+    """Simulate a case and record the state of all particles after each step.
 
     Returns
     -------
     spans, contacts : DataFrame
-        As `abradem.figures.speed.islands_figure` takes them.
+        Arguments of `abradem.figures.speed.islands_figure`.
     """
     problem, schedule = make_problem(case, setup)
     engine = Engine(problem, schedule, "islands")
@@ -77,7 +77,7 @@ def _spans(does: np.ndarray, dt: float) -> pd.DataFrame:
 
 
 def main(path: Path) -> None:
-    """Watch the scene, print how much is stepped, and draw it."""
+    """Simulate the scene, print the shares of time in each state, and draw the figure."""
     setup = Setup(
         plate_length=0.1, plate_width=0.1, patch_length=0.05, patch_width=0.05, fall_height=0.1,
         removal_depth=0.03, mass_rate=None, number_rate=60.0, duration=0.25,
@@ -93,7 +93,7 @@ def main(path: Path) -> None:
 
 
 def zooms_of(contacts: pd.DataFrame, duration: float):
-    """The whole time, the 20 ms with most particle contacts, and the busiest 1 ms of these."""
+    """Return the whole time, the 20 ms with most particle contacts, and the busiest 1 ms in it."""
     zooms = [(0.0, duration)]
     for width in (20e-3, 1e-3):
         low, high = zooms[-1]

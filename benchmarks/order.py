@@ -1,10 +1,10 @@
-"""How well a guess of the computing times orders the simulations, and the fit behind it.
+"""Quality of the estimated computing times for the order of jobs, and fit of the estimate.
 
     python benchmarks/order.py results/large results/paper
 
-reads the processor time of every case of finished studies, prints for each how long two cores
-would need for its jobs in the order of their numbers, of the guess and of the times themselves, and
-fits the constants of `abradem.sampling.cost` to all of them.
+reads the processor time of every case of finished studies. For each study it prints the time that
+two cores would need for its jobs in the order of their numbers, of the estimated times and of the
+actual times. It then fits the constants of `abradem.sampling.cost` to all studies.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ CONSTANTS = (
 
 
 class Timed(NamedTuple):
-    """Cases of a study that were simulated to their end, and their processor times."""
+    """Completely simulated cases of a study, and their processor times."""
 
     study: Study
     cases: pd.DataFrame
@@ -37,7 +37,7 @@ class Timed(NamedTuple):
 
     @property
     def guess(self) -> np.ndarray:
-        """What `abradem.sampling.cost` says of each case now, s."""
+        """Estimate of `abradem.sampling.cost` with its current constants for each case, s."""
         return cost.case_seconds(self.cases, setup_dict(self.study.config))
 
 
@@ -57,10 +57,10 @@ def read_times(folder: Path) -> Timed:
 
 
 def fit(studies: list[Timed]) -> dict[str, float]:
-    """Constants that make the times likely as exponential deviates about the guess.
+    """Fit the constants by maximum likelihood for exponentially distributed times.
 
-    That is the mean of cases alike which the sum of a study takes, and errors count relative to
-    the time. `abradem.sampling.cost` has the constants afterwards.
+    The fit then estimates the mean time of similar cases, which is what the sum over a study needs,
+    and errors are relative to the time. The constants in `abradem.sampling.cost` are changed.
     """
     seconds = np.concatenate([study.seconds for study in studies])
 
@@ -79,22 +79,22 @@ def fit(studies: list[Timed]) -> dict[str, float]:
 
 
 def makespan(seconds: np.ndarray, order: np.ndarray, cores: int = 2) -> float:
-    """Time until all jobs are done when each core takes the next of the order, s."""
+    """Return the time until all jobs are done if each free core takes the next job, s."""
     ends = [0.0] * cores
     for index in order:
         heapq.heappush(ends, heapq.heappop(ends) + seconds[index])
     return max(ends)
 
 
-def say_how_well(timed: Timed) -> None:
-    """Print how the guess compares with the times."""
+def print_comparison(timed: Timed) -> None:
+    """Print a comparison of estimated and actual times."""
     config, cases, seconds, guess = timed.study.config, timed.cases, timed.seconds, timed.guess
     print(
-        f"{config.study}: {len(seconds)} cases, {seconds.sum():.0f} s, guessed "
+        f"{config.study}: {len(seconds)} cases, {seconds.sum():.0f} s, estimated "
         f"{guess.sum():.0f} s; the longest {seconds.max():.0f} s"
     )
     print(
-        f"  correlation of guess and time {np.corrcoef(guess, seconds)[0, 1]:.2f}, "
+        f"  correlation of estimate and time {np.corrcoef(guess, seconds)[0, 1]:.2f}, "
         f"of logarithms {np.corrcoef(np.log(guess), np.log(seconds))[0, 1]:.2f}, "
         f"of ranks {pd.Series(guess).corr(pd.Series(seconds), method='spearman'):.2f}"
     )
@@ -106,25 +106,25 @@ def say_how_well(timed: Timed) -> None:
     print(f"  {len(spent)} jobs on two cores: half of the sum {spent.sum() / 2:.1f} s")
     for name, order in (
         ("numbers", np.arange(len(spent))),
-        ("the guess", np.argsort(-guesses)),
+        ("the estimates", np.argsort(-guesses)),
         ("the times", np.argsort(-spent)),
     ):
         print(f"    in the order of {name}: {makespan(spent, order):.1f} s")
 
 
 def main() -> None:
-    """Compare, fit, compare."""
+    """Compare the estimates with the times, fit the constants, and compare again."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("studies", nargs="+", type=Path, help="folders: results/paper")
     studies = [read_times(folder) for folder in parser.parse_args().studies]
     for study in studies:
-        say_how_well(study)
+        print_comparison(study)
     before = {name: getattr(cost, name) for name in CONSTANTS}
     print("\nfitted to these times:")
     for name, value in fit(studies).items():
         print(f"  {name} = {value:.3g}, {before[name]:.3g} in abradem.sampling.cost")
     for study in studies:
-        say_how_well(study)
+        print_comparison(study)
 
 
 if __name__ == "__main__":

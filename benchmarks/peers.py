@@ -1,16 +1,17 @@
-"""The jets of `speed.py` by LIGGGHTS and LAMMPS: the same particles, step and plate, timed.
+"""The jets of `speed.py` simulated and timed with LIGGGHTS and LAMMPS.
 
-Each peer gets an input script of ours: Hertz-Mindlin contacts with rolling friction, the plate as
-one wall of limited size, particles put in at the steps, places and velocities at which our engine
-released them, and taken out below the same level. No wear, no dumps, one core. The time of a peer
-is the sum of the loop times in its log. Reading scripts, set-up, insertion of particles and the
-pair lists built at the start of a run are not included.
+Each peer gets a generated input script with the same particles, step and plate: Hertz-Mindlin
+contacts with rolling friction, the plate as one wall of finite size, particles inserted at the
+steps, positions and velocities at which this engine released them, and removed below the same
+level. There is no wear and no output; one core is used. The time of a peer is the sum of the loop
+times in its log. Reading scripts, set-up, insertion of particles and the pair lists built at the
+start of a run are not included.
 
-What differs: LIGGGHTS takes the displacement law with uncapped damping, LAMMPS the incremental
-law; both let contacts attract at their end, which gives the same restitution as our default. Both
-resist relative rolling, LIGGGHTS in proportion to the elastic force alone, LAMMPS by a spring and
-slider; ours slows the spin of each particle in proportion to the whole normal force. Beds of the
-peers therefore hold some per cent fewer particles, to their advantage.
+Differences: LIGGGHTS uses the displacement law with uncapped damping, LAMMPS the incremental law.
+In both, contacts are attractive at their end, which gives the same restitution as the default of
+this engine. Both resist relative rolling, LIGGGHTS in proportion to the elastic force only, LAMMPS
+by a spring and slider; this engine slows the spin of each particle in proportion to the whole
+normal force. Beds of the peers therefore have some per cent fewer particles, to their advantage.
 """
 
 from __future__ import annotations
@@ -35,17 +36,17 @@ from abradem.dem.simulation import Engine
 from abradem.dem.state import FLYING, GONE, Problem, make_problem
 
 MARGIN = 0.1
-"""Share by which particles and kinetic energy may differ from ours for a comparison to be fair."""
+"""Largest relative difference of particles and kinetic energy in a fair comparison."""
 
 ROLLING_STEPS = 314
-"""Period of the rolling spring of LAMMPS in steps: stiff, and well resolved."""
+"""Period of the rolling spring of LAMMPS in steps: stiff, but well resolved."""
 
 REMOVAL_STEPS = 1000
-"""How often LAMMPS looks for particles below the level of removal."""
+"""Number of steps between two checks of LAMMPS for particles below the removal level."""
 
 
 class Pour(NamedTuple):
-    """What our engine released, and how much there was of it.
+    """Releases of this engine, and the particles present during the simulation.
 
     Attributes
     ----------
@@ -58,9 +59,9 @@ class Pour(NamedTuple):
         m, m/s.
     particles, energy : ndarray, shape (m,)
         Particles present and their kinetic energy without spin (J) just before each step with a
-        release, but for the first.
+        release, except for the first.
     low, high : ndarray, shape (3,)
-        Box in which all centres were just after those steps, m.
+        Box that contained all centres just after those steps, m.
     """
 
     problem: Problem
@@ -75,13 +76,13 @@ class Pour(NamedTuple):
 
     @property
     def releases(self):
-        """What `abradem.simulate` takes as its releases."""
+        """Releases for `abradem.simulate`."""
         return self.step * self.problem.dt, self.place, self.velocity
 
 
 @dataclass(frozen=True)
 class Run:
-    """How a peer ran: version, seconds of its run loop, means of particles and kinetic energy."""
+    """Result of a peer: version, seconds of its run loop, mean particles and kinetic energy."""
 
     version: str
     wall: float
@@ -91,7 +92,7 @@ class Run:
 
 
 def pour(case: Case, setup: Setup) -> Pour:
-    """Simulate a case, for the duration of its set-up, and write down its releases.
+    """Simulate a case for the duration of its set-up and record its releases.
 
     The engine is stopped before and after each step with a release: until its first contact a
     particle keeps the anchor of its flight, which is where it was released.
@@ -132,7 +133,7 @@ def _present(engine) -> np.ndarray:
 
 
 def kinetic_energy(problem: Problem, particles: np.ndarray, step: int) -> float:
-    """Kinetic energy of all particles without their spin, J."""
+    """Return the kinetic energy of all particles without spin, J."""
     flown = np.where(particles["motion"] == FLYING, step - particles["anchor_step"], 0)
     vy = particles["vy"] - problem.gravity * problem.dt * flown
     speed2 = particles["vx"] ** 2 + vy**2 + particles["vz"] ** 2
@@ -140,7 +141,7 @@ def kinetic_energy(problem: Problem, particles: np.ndarray, step: int) -> float:
 
 
 def unlike(poured: Pour, run: Run) -> str:
-    """In which respect a peer's work differs from ours by more than `MARGIN`, or ""."""
+    """Return the differences of a peer above `MARGIN` as text, or ""."""
     words = []
     for name, ours, theirs in (
         ("particles", poured.present.mean(), run.present),
@@ -205,7 +206,7 @@ def _box(low, high) -> str:
 
 
 def _room(case: Case, poured: Pour):
-    """Box with room for particles that jump higher and farther than ours did."""
+    """Return a larger box, for particles that bounce higher and farther than in this engine."""
     room = 10.0 * case.particle_radius
     return poured.low - room, poured.high + room
 
@@ -215,7 +216,10 @@ def _four(value: float) -> str:
 
 
 def liggghts_script(case: Case, setup: Setup, poured: Pour, skin: float) -> str:
-    """Input of LIGGGHTS: the plate is a mesh of two triangles; the box ends where particles do."""
+    """Return the input of LIGGGHTS, with the plate as a mesh of two triangles.
+
+    Particles are removed at the lower face of the box.
+    """
     low, high = _room(case, poured)
     low[1] = poured.problem.removal_height
     head = LIGGGHTS.format(
@@ -252,7 +256,7 @@ fix move all nve/sphere
 
 
 def _lammps_law(a, b, case: Case, problem: Problem) -> str:
-    """k_n = 4/3 E*, damping for e, k_t = 8 G*, damped in the ratio of the stiffnesses."""
+    """k_n = 4/3 E*, damping for e, k_t = 8 G*, damping in the ratio of the stiffnesses."""
     e_star, g_star = effective_moduli(a, b)
     ratio, mu = math.sqrt(8.0 * g_star / (2.0 * e_star)), case.static_friction
     turn = 2.0 * math.pi / (ROLLING_STEPS * problem.dt)
@@ -265,9 +269,9 @@ def _lammps_law(a, b, case: Case, problem: Problem) -> str:
 
 
 def lammps_script(case: Case, setup: Setup, poured: Pour, skin: float) -> str:
-    """Input of LAMMPS, in axes along the plate: its regions tilt only at a cost in each step.
+    """Return the input of LAMMPS in axes along the plate; tilted regions cost time in each step.
 
-    The plate is the outside of a block a tenth of a radius thick.
+    The plate is the outer surface of a block with a thickness of a tenth of the radius.
     """
     problem = poured.problem
     angle = math.radians(case.plate_angle)
@@ -297,7 +301,7 @@ def _vector(values) -> str:
 
 
 def _releases(case: Case, poured: Pour, place, velocity) -> str:
-    """Runs between the releases; time begins with the first particle."""
+    """Return the runs between the releases; the time starts with the first particle."""
     lines, now = [], poured.step[0]
     size = f"diameter {2.0 * case.particle_radius!r} density {case.particle_density!r}"
     for i, step in enumerate(poured.step):
@@ -324,7 +328,7 @@ def read_log(lines) -> tuple[str, float, np.ndarray]:
     Parameters
     ----------
     lines : iterable of str
-        What a peer prints.
+        Output of a peer.
 
     Returns
     -------
@@ -358,17 +362,17 @@ PEERS = (Peer("LIGGGHTS", "liggghts", liggghts_script), Peer("LAMMPS", "lmp", la
 
 
 def installed(peer: Peer) -> str | None:
-    """Path of a peer's program, or None."""
+    """Return the path of the program of a peer, or None."""
     return shutil.which(peer.program)
 
 
 def timed_run(peer: Peer, case: Case, setup: Setup, poured: Pour, skin: float) -> Run:
-    """Let a peer simulate the particles of a pour and read its log.
+    """Simulate the particles of a pour with a peer and read its log.
 
     Raises
     ------
     RuntimeError
-        With the end of its output, if it fails.
+        If the peer fails; the message contains the end of its output.
     """
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "in.jet").write_text(peer.script(case, setup, poured, skin))
@@ -388,7 +392,7 @@ def timed_run(peer: Peer, case: Case, setup: Setup, poured: Pour, skin: float) -
         with log.open() as lines:
             version, loop, rows = read_log(lines)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    # The end of the last run is after the last release; ours was looked at before each.
+    # The last row is after the last release; the values of this engine are before each release.
     present, energy = rows[:-1].mean(axis=0)
-    # The clock of the loop is a wall clock; its share of the whole run is taken of both.
+    # The loop time is wall time; the same share of the run is assumed for the CPU time.
     return Run(version, loop, cpu * loop / wall, float(present), float(energy))

@@ -1,9 +1,9 @@
-"""Plant errors into copies of the engine and see which tests notice.
+"""Plant errors in copies of the engine and check that the tests detect them.
 
     python benchmarks/planted_errors.py
 
-Each error is one replacement in one file of a temporary copy of the package; the test that must
-notice it is then run against the copy in a process of its own. The unchanged copy must pass.
+Each error is one replacement in one file of a temporary copy of the package. The test that must
+detect it is then run on the copy in a separate process. The unchanged copy must pass.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ SPHERES = "tests/dem/test_spheres_and_plate.py"
 
 @dataclass(frozen=True)
 class Error:
-    """One error: what to replace in which file, and the test that must fail.
+    """One error: a replacement in a file, and the test that must fail.
 
     Parameters
     ----------
     name : str
     file : str
-        Below src/abradem/dem.
+        File name in src/abradem/dem.
     before, after : str
-        ``before`` stands in the file exactly once.
+        Text and its replacement; ``before`` must occur exactly once in the file.
     tests : str
         File of the test.
     check : str
         Name of the test.
     quick : bool
-        Whether it runs in ``make test``; compiling takes most of the time.
+        Whether the error is also tested in ``make test``; compiling takes most of the time.
     """
 
     name: str
@@ -101,7 +101,7 @@ ERRORS = (
 
 
 def caught(error: Error | None, folder: Path) -> set[str]:
-    """Names of the tests that fail with an error planted; None plants nothing.
+    """Return the names of the tests that fail with a planted error; None plants no error.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def caught(error: Error | None, folder: Path) -> set[str]:
         text = source.read_text(encoding="utf-8")
         if text.count(error.before) != 1:
             raise ValueError(
-                f"{error.name}: {error.file} holds it {text.count(error.before)} times"
+                f"{error.name}: found {text.count(error.before)} times in {error.file}, not once"
             )
         source.write_text(text.replace(error.before, error.after), encoding="utf-8")
         tests, choice = [error.tests], ["-k", error.check]
@@ -135,7 +135,7 @@ def caught(error: Error | None, folder: Path) -> set[str]:
 
 
 def main() -> int:
-    """Plant all errors in turn; return the number that went unnoticed."""
+    """Plant all errors in turn; return the number of undetected errors."""
     unnoticed = 0
     for error in (None, *ERRORS):
         with tempfile.TemporaryDirectory() as folder:

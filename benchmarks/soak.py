@@ -1,12 +1,13 @@
-"""The engine on random cases for a long time: memory, guards and energy books.
+"""Soak test of the engine on random cases: memory, guards and energy balance.
 
     python benchmarks/soak.py --minutes 60 --table results/benchmarks/soak.csv
 
-Every case is drawn from all that the physical limits allow, much wider than a study: hard and
-soft, e from 0.05 to 1, friction from 0, all angles, both steppings, all contact laws. Each must
-end with numbers or with a name. Checked of each: all numbers finite, no wear is taken back, the
-facets hold the wear of the plate, the energy balance holds (what came in is there, has left, or
-was dissipated; nothing is gained). At the end the memory of the process must not have grown.
+Cases are drawn from the whole range of the physical limits, much wider than in a study: hard and
+soft materials, e from 0.05 to 1, friction from 0, all angles, both steppings, all contact laws.
+Each case must end with finite results or a status with a reason. For each case it is checked that
+all numbers are finite, wear never decreases, the facets add up to the wear of the plate, and the
+energy balance is satisfied (inserted energy is resident, removed or dissipated; none is gained).
+The memory of the process must not grow until the end.
 """
 
 from __future__ import annotations
@@ -33,17 +34,18 @@ from abradem.quantities import SAMPLED
 from abradem.store.files import replacing
 
 MOST_GROWTH = 0.1
-"""Growth of the memory from the tenth part of the time to its end, as a share, that counts as
-none: the allocator keeps what the largest case needed."""
+"""Largest relative growth of the memory from a tenth of the time to the end; some growth is allowed
+because the allocator keeps the memory of the largest case."""
 
 MOST_STEPS = 300_000
-"""Most steps of a case; a bed of the hardest particles would take hours, so another is drawn."""
+"""Largest number of steps of a case; another case is drawn instead of one with more, because a bed
+of the hardest particles would take hours."""
 
 COLUMNS = ("elapsed_s", "case_s", "simulated_s", "memory_mb", "status", "problems")
 
 
 def draw(rng: np.random.Generator) -> tuple[Case, Setup]:
-    """A case within the physical limits and a short set-up."""
+    """Return a random case within the physical limits and a short set-up."""
     values = {}
     for row in SAMPLED:
         low, high = row.limits
@@ -71,30 +73,31 @@ def draw(rng: np.random.Generator) -> tuple[Case, Setup]:
 
 
 def problems_of(result) -> list[str]:
-    """What is wrong with a simulation that ended."""
+    """Return the problems of a finished simulation."""
     found = []
     if not (np.isfinite(result.worn).all() and np.isfinite(result.facet_wear_all).all()):
         found.append("wear is not finite")
     elif (np.diff(result.worn[:, :2], axis=0) < 0.0).any():
-        # Total and sliding; friction counts work less what a spring stores and gives back.
-        found.append("wear was taken back")
+        # Only total and sliding; friction can decrease because springs store and return energy.
+        found.append("wear decreased")
     elif (
         not np.allclose(
             result.facet_wear_all.sum(axis=(1, 2)), result.worn[-1], rtol=1e-9, atol=1e-12
         )
         and result.status == "ok"
     ):
-        found.append("facets do not hold the wear of the plate")
-    book = result.energy
-    if result.status == "ok" and not all(map(math.isfinite, book.values())):
+        found.append("the facets do not add up to the wear of the plate")
+    balance = result.energy
+    if result.status == "ok" and not all(map(math.isfinite, balance.values())):
         found.append("the energy balance is not finite")
-    if result.status == "ok" and book["dissipated"] < -ENERGY_TOLERANCE * abs(book["inserted"]):
-        found.append(f"energy gained: {book}")
+    least = -ENERGY_TOLERANCE * abs(balance["inserted"])
+    if result.status == "ok" and balance["dissipated"] < least:
+        found.append(f"energy gained: {balance}")
     return found
 
 
 def megabytes() -> float:
-    """Memory of this process now, MB (the largest so far where the system does not say)."""
+    """Return the current memory of this process, MB (the peak if the current is not available)."""
     try:
         pages = int(Path("/proc/self/statm").read_text().split()[1])
         return pages * resource.getpagesize() / 1e6
@@ -103,9 +106,9 @@ def megabytes() -> float:
 
 
 def soak(minutes: float, seed: int, log) -> int:
-    """Simulate random cases for so long, a row of `log` for each; return an exit status."""
+    """Simulate random cases for a time, with a row of ``log`` for each; return an exit status."""
     rng = np.random.default_rng(seed)
-    # The log is a file and of each case only two numbers are kept: the memory is the engine's.
+    # Only two numbers per case are kept in memory, so that its growth is that of the engine.
     elapsed_s, memory_mb = array("d"), array("d")
     kinds, simulated_s, longest, bad = Counter(), 0.0, 0.0, 0
     began = time.monotonic()

@@ -1,13 +1,15 @@
-"""Cost of a jet by this engine and by others: python benchmarks/speed.py [A M B D].
+"""Cost of jets with this engine and with others: python benchmarks/speed.py [A M B D].
 
-Prints `scenario, ours in s, other, its seconds, ratio` for LIGGGHTS and LAMMPS, if they are
-installed (benchmarks/README.md), and for our own conventional stepping, which gives the same bits.
+Prints `scenario, seconds of this engine, other, its seconds, ratio` for LIGGGHTS and LAMMPS, if
+they are installed (benchmarks/README.md), and for the conventional stepping of this engine, which
+gives bitwise equal results.
 
-Ours is a whole `simulate` call after a warm-up, with its three wear measures on facets of 10 mm;
-that of a peer its run loop alone, without wear (`peers`). One core each. Ours is timed before and
-after the others, and between them unless it takes long; of each the shortest time counts.
+The time of this engine is a complete `simulate` call after a warm-up, with the three wear measures
+on facets of 10 mm. The time of a peer is its run loop only, without wear (`peers`). Each uses one
+core. This engine is timed before and after the others, and between them unless it takes long. The
+shortest time of each counts.
 
-`benchmarks/study.py` tells what the simulations of a finished study cost.
+`benchmarks/study.py` prints the cost of the simulations of a finished study.
 """
 
 from __future__ import annotations
@@ -43,7 +45,7 @@ WIDE = {
 
 
 def particle(radius: float, plate_angle: float) -> Case:
-    """Limestone-like particles on steel, thrown down at 3 m/s."""
+    """Return a case with limestone-like particles on steel, released downwards at 3 m/s."""
     return Case(
         particle_shear_modulus=6e9,
         particle_poisson_ratio=0.25,
@@ -64,10 +66,10 @@ def particle(radius: float, plate_angle: float) -> Case:
 
 
 class Scenario(NamedTuple):
-    """A jet, what it is like, and how many times faster than the fastest peer we want to be.
+    """A jet, its description, and the target ratio of speeds of this engine and the fastest peer.
 
-    ``skin`` is the reach of the peers' pair lists beyond contact in radii, the fastest of 0.5, 1
-    and 2; ``rounds`` how often each other is timed.
+    ``skin`` is the reach of the pair lists of the peers beyond contact, in radii: the fastest of
+    0.5, 1 and 2. ``rounds`` is the number of timings of each other code.
     """
 
     case: Case
@@ -105,15 +107,15 @@ SCENARIOS = {
 }
 
 BUSY = 0.9
-"""Share of a core below which a run was disturbed by others."""
+"""Share of a core below which a run counts as disturbed by other processes."""
 
 
 LONG = 20.0
-"""Ours is timed again between the others if it takes less than so many seconds."""
+"""This engine is timed again between the others if it takes less than this time, s."""
 
 
 class Clock(NamedTuple):
-    """Seconds on the wall, and of computing, that something took."""
+    """Wall time and computing time, s."""
 
     wall: float
     cpu: float
@@ -127,7 +129,7 @@ def timed(case: Case, setup: Setup, releases=None):
 
 
 def repeated(case: Case, setup: Setup, releases=None):
-    """Return the times of as many `simulate` calls as fill a second, and a result."""
+    """Return the times of `simulate` calls repeated for a second, and a result."""
     spent, result = timed(case, setup, releases)
     times = [spent]
     while sum(one.wall for one in times) < 1.0:
@@ -136,7 +138,7 @@ def repeated(case: Case, setup: Setup, releases=None):
 
 
 def machine() -> str:
-    """Processor and versions, in a line."""
+    """Return processor and versions in one line."""
     model = platform.processor() or platform.machine()
     info = Path("/proc/cpuinfo")
     if info.is_file():
@@ -149,11 +151,11 @@ def machine() -> str:
 
 
 SYNCHRONOUS = Peer("synchronous", "", None)
-"""Our own conventional stepping, among the others."""
+"""Conventional stepping of this engine, compared like the other codes."""
 
 
 def measure(scenario: Scenario, setup: Setup, poured: Pour, rounds: int, others):
-    """Return the times of ours, and by the name of each other its times and what to remark."""
+    """Return the times of this engine, and the times and remarks of the others by name."""
     case, theirs, remarks = scenario.case, {}, {}
     ours, result = repeated(case, setup)
     for i, other in enumerate([*others] * rounds):
@@ -162,8 +164,8 @@ def measure(scenario: Scenario, setup: Setup, poured: Pour, rounds: int, others)
         if other is SYNCHRONOUS:
             spent, same = timed(case, replace(setup, stepping="synchronous"))
             if not np.array_equal(result.worn, same.worn):
-                raise SystemExit("the two steppings do not give the same bits")
-            remarks[other.name] = "the same bits"
+                raise SystemExit("the two steppings do not give bitwise equal results")
+            remarks[other.name] = "bitwise equal"
         else:
             run = timed_run(other, case, setup, poured, scenario.skin * case.particle_radius)
             spent = Clock(run.wall, run.cpu)
@@ -177,7 +179,7 @@ def measure(scenario: Scenario, setup: Setup, poured: Pour, rounds: int, others)
 
 
 def compare(name: str, seconds: float | None, rounds: int | None, clock: str, others) -> list[dict]:
-    """Time a scenario by us and by others, print a line for each, and return the rows."""
+    """Time a scenario with this engine and with others, print a line each, return the rows."""
     scenario = SCENARIOS[name]
     setup = scenario.setup if seconds is None else replace(scenario.setup, duration=seconds)
     poured = pour(scenario.case, setup)
@@ -204,7 +206,7 @@ def compare(name: str, seconds: float | None, rounds: int | None, clock: str, ot
     if peers:
         fastest = min(peers, key=lambda row: row["theirs"])
         print(f"{name}   {fastest['ratio']:.0f} times faster than {fastest['other']}; "
-              f"wanted: {scenario.target:g}")  # fmt: skip
+              f"target: {scenario.target:g}")  # fmt: skip
     everything = [ours, *theirs.values()]
     if clock == "wall" and any(
         max(one.cpu / one.wall for one in runs) < BUSY for runs in everything
@@ -215,12 +217,14 @@ def compare(name: str, seconds: float | None, rounds: int | None, clock: str, ot
 
 def main() -> None:
     """Print the lines of all scenarios."""
-    parser = argparse.ArgumentParser(description="time this engine against others")
-    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="of A, M, B, D")
-    parser.add_argument("--seconds", type=float, help="simulate so long, whatever the scenario")
-    parser.add_argument("--rounds", type=int, help="how often to time each other")
+    parser = argparse.ArgumentParser(description="compare the speed of this engine with others")
+    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="some of A, M, B, D")
+    parser.add_argument("--seconds", type=float, help="duration instead of that of the scenario, s")
+    parser.add_argument("--rounds", type=int, help="number of timings of each other code")
     parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
-    parser.add_argument("--without", nargs="*", default=[], help="of liggghts, lammps, synchronous")
+    parser.add_argument(
+        "--without", nargs="*", default=[], help="some of liggghts, lammps, synchronous"
+    )
     parser.add_argument("--table", type=Path, help="CSV file for the numbers")
     chosen = parser.parse_args()
     unknown = [name for name in chosen.scenarios if name not in SCENARIOS]
@@ -238,7 +242,7 @@ def main() -> None:
         others.append(SYNCHRONOUS)
     warm()
     print(machine())
-    print(f"{chosen.clock} seconds; peers may differ from us by {MARGIN:.0%} in what they simulate")
+    print(f"{chosen.clock} seconds; a fair peer differs by at most {MARGIN:.0%} in its particles")
     rows = []
     for name in chosen.scenarios or SCENARIOS:
         rows += compare(name, chosen.seconds, chosen.rounds, chosen.clock, others)

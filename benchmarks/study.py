@@ -1,8 +1,8 @@
-"""What the simulations of a finished study cost: python benchmarks/study.py results/paper.
+"""Cost of the simulations of a finished study: python benchmarks/study.py results/paper.
 
-Computing time is that of the cases, as each was noted. Memory is Snakemake's record of the jobs,
-which looks at them every 30 s, and wall time is theirs, with what surrounds the cases. The figures
-of docs/scaling.md.
+Computing time is the recorded time of the cases. Memory is from Snakemake's record of the jobs,
+which samples them every 30 s. Wall time is that of the jobs, including the time outside the cases.
+These are the numbers in docs/scaling.md.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ STORED = ("series", "maps", "runs", "wear_rates")
 
 
 class Study(NamedTuple):
-    """A study whose simulations are done: its configuration and a table for each job."""
+    """A study with finished simulations: its configuration and the tables of each job."""
 
     config: Config
     jobs: list[str]
@@ -29,7 +29,7 @@ class Study(NamedTuple):
 
 
 def read_study(folder: Path) -> Study:
-    """Read what the configuration beside the results asks for; what else is there is left out."""
+    """Read the tables that the configuration of the study defines; other files are ignored."""
     if not (folder / "config.yaml").exists():
         raise SystemExit(f"{folder}/config.yaml is missing; `snakemake simulation` writes it")
     config = read_config(folder / "config.yaml")
@@ -49,12 +49,12 @@ def read_study(folder: Path) -> Study:
 
 
 def size(paths) -> int:
-    """Bytes of files."""
+    """Return the total size of files, bytes."""
     return sum(path.stat().st_size for path in paths if path.is_file())
 
 
 def presence(folder: Path, study: Study) -> pd.DataFrame:
-    """Processor time of every case, and its particles present times steps."""
+    """Return the processor time of every case, and its particles present times steps."""
     found = []
     for job, runs, times in zip(study.jobs, study.runs, study.times, strict=True):
         series = read_table(folder / "series" / f"{job}.parquet", ("case_id", "particles_present"))
@@ -68,7 +68,7 @@ def presence(folder: Path, study: Study) -> pd.DataFrame:
 
 
 def main() -> None:
-    """Print a line for each figure."""
+    """Print a line for each number."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("study", type=Path, help="folder of a finished study: results/paper")
     folder = parser.parse_args().study

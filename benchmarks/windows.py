@@ -1,12 +1,12 @@
-"""What a shorter window would have made of a study's wear rates, and a longer one of its beds.
+"""Effect of shorter windows on the wear rates of a study, and of longer simulations on its beds.
 
     python benchmarks/windows.py results/tenfold              # on stored records, seconds
     python benchmarks/windows.py results/tenfold --beds 5     # new simulations of 20 s, an hour
 
-The first replays the stop rule (docs/method.md) on the stored series of a study with windows of 1,
-2 and 3 s, and compares the rates with those of its own window. The second simulates beds, small
-particles on nearly level plates, for `LONG` seconds, and compares the rate at which the rule stops
-with the mean of the second half.
+The first command applies the stop rule (docs/method.md) to the stored series of a study with
+windows of 1, 2 and 3 s, and compares the rates with those of its own window. The second one
+simulates beds, small particles on nearly level plates, for `LONG` seconds, and compares the rate at
+which the rule stops with the mean of the second half.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ FLAT, SMALL = 12.0, 0.012
 
 
 def stopped_rate(time, worn, present, window: float, target: float):
-    """Rate that the stop rule ends with on a record, its relative standard error and the time.
+    """Return the rate, its relative standard error and the time at which the stop rule ends.
 
-    nan where the record ends before the rule does.
+    All are nan if the record is too short for the rule to end.
     """
     if len(time) < 2:
         return math.nan, math.nan, math.nan
@@ -61,7 +61,7 @@ def stopped_rate(time, worn, present, window: float, target: float):
 
 
 def replayed(folder: Path, setup) -> pd.DataFrame:
-    """Rates of all cases of a study by shorter windows, over those of its own."""
+    """Return relative changes of the rates of all cases of a study with shorter windows."""
     cases = read_table(folder / "cases.parquet").set_index("case_id")
     rows = []
     for path in sorted((folder / "series").glob("*.parquet")):
@@ -78,7 +78,7 @@ def replayed(folder: Path, setup) -> pd.DataFrame:
 
 
 def beds(folder: Path, setup, number: int) -> None:
-    """Simulate some of the study's beds for long; print a line for each and one for all."""
+    """Simulate some beds of the study for a long time; print a line for each and a summary."""
     cases = pd.concat(read_table(path) for path in sorted((folder / "cases").glob("*.parquet")))
     flat = cases[(cases["plate_angle"] < 7.0) & cases["particle_radius"].between(0.007, SMALL)]
     off = []
@@ -108,10 +108,10 @@ def beds(folder: Path, setup, number: int) -> None:
 
 
 def main() -> None:
-    """Print what shorter windows, or a longer one, would give."""
+    """Print the effect of shorter windows, or of longer simulations of beds."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("study", type=Path, help="its folder of results")
-    parser.add_argument("--beds", type=int, help="simulate so many beds for long instead")
+    parser.add_argument("study", type=Path, help="folder with its results")
+    parser.add_argument("--beds", type=int, help="number of beds to simulate for a long time")
     chosen = parser.parse_args()
     stored = yaml.safe_load((chosen.study / "config.yaml").read_text(encoding="utf-8"))
     setup = Setup.from_dict(setup_dict(load_config(stored)))

@@ -13,7 +13,7 @@ def _block(kind, lines, name=""):
 
 
 def write_parts(radius, particles, corners):
-    """Write the model parts of particles at places and of a plate with four corners."""
+    """Write the model parts of particles at given positions and of a plate with four corners."""
     numbers = range(1, len(particles) + 1)
     spheres = _block("Properties", [], "1")
     spheres += _block(

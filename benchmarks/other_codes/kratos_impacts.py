@@ -1,4 +1,4 @@
-"""Impacts with Kratos: what happens at every step, and its own wear."""
+"""Impacts with Kratos: velocities and forces at every step, and the wear computed by Kratos."""
 
 import json
 from importlib.metadata import version

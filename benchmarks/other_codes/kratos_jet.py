@@ -14,14 +14,14 @@ class Jet(DEMAnalysisStage):
     """Particles that are released one by one."""
 
     def Initialize(self):
-        """Release those due at the begin; the first particle is in the input."""
+        """Release the particles due at the start; the first particle is in the input."""
         super().Initialize()
         self.due = list(task["releases"])
         self.particles, self.done = [], 0
         self._release()
 
     def FinalizeSolutionStep(self):
-        """Release those due now."""
+        """Release the particles that are due now."""
         super().FinalizeSolutionStep()
         self.done += 1
         self._release()

@@ -1,4 +1,4 @@
-"""Impacts with LAMMPS: what happens at every step."""
+"""Impacts with LAMMPS: velocities and forces at every step."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What the impacts and the jet with YADE share."""
+"""Common parts of the impacts and the jet with YADE."""
 
 import math
 

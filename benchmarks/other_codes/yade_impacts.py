@@ -1,4 +1,4 @@
-"""Impacts with YADE: what happens at every step."""
+"""Impacts with YADE: velocities and forces at every step."""
 
 import json
 import sys

@@ -111,7 +111,7 @@ def test_constants_are_found_again_from_times_made_with_them(finished, monkeypat
         monkeypatch.setattr(cost, name, getattr(cost, name))
     timed = order.read_times(finished)
     assert len(timed.seconds) == 119
-    order.say_how_well(timed)
+    order.print_comparison(timed)
     assert "of ranks 1.00" in capsys.readouterr().out
     assert timed.guess.sum() == pytest.approx(timed.seconds.sum() / 3.0)
     order.fit([timed])

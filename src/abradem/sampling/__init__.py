@@ -1,1 +1,1 @@
-"""The parameter sets of a study, what they must satisfy, and a guess of what they cost."""
+"""The parameter sets of a study, their physical checks, and an estimate of their computing time."""
