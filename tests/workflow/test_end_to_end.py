@@ -406,7 +406,9 @@ def test_an_edited_label_or_caption_repeats_no_simulation_and_no_training(
 
 
 def test_an_edited_rule_redraws_the_graph_of_rules(project):
-    with project.edited("workflow/rules/report.smk", "# On demand: snakemake vtk.", "# On call."):
+    with project.edited(
+        "workflow/rules/report.smk", "rule documents:", "# edited\nrule documents:"
+    ):
         assert project.pending() == {"rule_graph": 1, **OF_CHARTS, "all": 1}
 
 
