@@ -419,7 +419,7 @@ def named_figures():
 
 
 LIST_OF_THE_PAPER = (
-    "setup", "angles", "coefficients", "predicted", "penalised", "correlations", "loadings",
+    "setup", "angles", "coefficients", "predicted_linear", "penalised", "correlations", "loadings",
     "components", "tree", "tree_depth", "architecture", "predictions", "distributions",
     "generation", "rules", "ga_ann", "gallery", "comparison", "series", "quality", "maps",
     "verification", "speed",

@@ -244,7 +244,7 @@ def test_the_report_holds_all_and_needs_no_network(project):
     assert "WARNING" not in made.stdout
     html = report.read_text(encoding="utf-8")
     for name in (
-        "series", "maps", "quality", "coefficients", "residuals", "predicted", "penalised",
+        "series", "maps", "quality", "coefficients", "residuals", "predicted_linear", "penalised",
         "selection", "correlations", "loadings", "components", "tree_depth", "tree", "ga_ann",
         "comparison", "predictions",
     ):  # fmt: skip

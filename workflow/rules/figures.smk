@@ -201,19 +201,19 @@ rule figure_coefficients:
         "../scripts/figures/figure.py"
 
 
-rule figure_predicted:
+rule figure_predicted_linear:
     """Predicted against simulated wear for held-out cases."""
     input:
         predictions=rules.linear.output.predictions,
         model=rules.linear.output.summary,
     output:
-        figure_files("predicted"),
+        figure_files("predicted_linear"),
     log:
-        f"{LOGS}/figure_predicted.log",
+        f"{LOGS}/figure_predicted_linear.log",
     conda:
         "../envs/abradem.yaml"
     params:
-        **drawn_as("predicted"),
+        **drawn_as("predicted_linear"),
         options={},
     script:
         "../scripts/figures/figure.py"

@@ -4,11 +4,14 @@ Symbols: d overlap, n unit normal (towards the particle the force acts on), v_n 
 separation, S = sqrt(d), Q = d^{1/4}. The normal force, the tangential stiffness and the
 tangential damping are
 
-    F_n = kn d S - cn Q v_n,    k_t = kt S,    c_t = ct Q.
+    F_n = kn d S - cn Q v_n,    k_t = kt S,    c_t = ct Q,
+    F_t = -k_t s - c_t v_t,     |F_t| <= mu |F_n|,
 
-Sources: Hertz (1882, J. Reine Angew. Math. 92:156) for the elastic normal force; Mindlin &
-Deresiewicz (1953, J. Appl. Mech. 20:327) for the tangential stiffness; Tsuji, Tanaka & Ishida
-(1992, Powder Technol. 71:239) for the damping.
+with the accumulated tangential displacement s, or (incremental) with the spring force of the
+previous step instead of -k_t s, reduced with the stiffness when unloading. The variants of the
+damping and of its cap are in `tangential_force`. Sources: Hertz (1882, J. Reine Angew. Math.
+92:156) for the elastic normal force; Mindlin & Deresiewicz (1953, J. Appl. Mech. 20:327) for the
+tangential stiffness; Tsuji, Tanaka & Ishida (1992, Powder Technol. 71:239) for the damping.
 """
 
 from __future__ import annotations

@@ -117,7 +117,7 @@ FIGURES: dict[str, Entry] = {
         "X10 and X11 to X20, with their intervals.",
         ALL_ROWS,
     ),
-    "predicted": Entry(
+    "predicted_linear": Entry(
         LINEAR,
         "predicted against simulated wear, linear regression",
         "linear:predicted_figure",
@@ -258,7 +258,8 @@ FIGURES: dict[str, Entry] = {
         ALL_MODELS,
         "predictions of all models",
         "comparison:predictions_figure",
-        "Predicted against simulated wear of the test rows for each model under both protocols.",
+        "Predicted against simulated wear (parity) of the test rows for each model under both "
+        "protocols.",
         BOTH,
     ),
     "verification": Entry(

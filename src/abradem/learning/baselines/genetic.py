@@ -333,7 +333,10 @@ def crossover(
 
 
 def mutate(layers: Layers, options: Options, rng: np.random.Generator) -> Layers:
-    """Change the neurons of one layer by a random factor up to ``mutation_size``, within limits."""
+    """Change the neurons of one layer by a random factor up to ``mutation_size``, within limits.
+
+    The number of layers stays. The caller also draws a new seed of the weights.
+    """
     place = int(rng.integers(len(layers)))
     factor = 1.0 + rng.uniform(-options.mutation_size, options.mutation_size)
     neurons = int(np.clip(round(layers[place] * factor), options.min_neurons, options.max_neurons))
