@@ -88,10 +88,11 @@ def test_the_case_of_the_study_is_simulated(study, simulated, config, capsys):
     cases = read_table(study / "cases" / "block-001.parquet").set_index("case_id")
     expected = Case.from_row(cases.loc[7])
     assert simulated == [(expected, Setup.from_dict(setup_dict(config)))]
-    first, second = capsys.readouterr().out.splitlines()
+    first, second, third = capsys.readouterr().out.splitlines()
     assert first == "case 7: ok, 3.5 s simulated"
     depth_rate = 1e3 * RATE * expected.archard_constant / 0.09
     assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
+    assert third.startswith("mean over the footprint ") and "worst facet" in third
 
 
 def test_series_is_written_with_its_units(study, simulated, tmp_path):

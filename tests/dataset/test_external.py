@@ -89,8 +89,8 @@ def test_each_bad_row_is_one_line(published):
     table.loc[3, "Plate Angle"] = "steep"
     table.loc[5, "Wear Rate"] = ""
     assert refused(table, path) == [
-        "row 4: Plate Angle = 'steep' is not a finite number",
-        "row 6: Wear Rate = '' is not a finite number",
+        "row 4: Plate Angle = 'steep' is not a number",
+        "row 6: Wear Rate = '' is not a number",
     ]
     table.loc[3, "Plate Angle"], table.loc[5, "Wear Rate"] = 30.0, 1.0
     table.loc[7, "Coefficient of Restitution (Interaction)"] = 1.2
@@ -134,7 +134,7 @@ def test_a_wrong_mapping_is_one_line(published):
         ({"slope": "Plate Angle"}, "mapping of slope: no such quantity; known are "),
         ({"plate_angle": "Slope"}, "lacks column 'Slope', which plate_angle is mapped to"),
         ({"plate_angle": ["Plate Angle", "gon"]},
-         "column 'Plate Angle': unit 'gon' is unknown for plate_angle (deg, rad)"),
+         "column 'Plate Angle', for plate_angle: unit 'gon' is unknown (allowed deg, rad)"),
     ):  # fmt: skip
         lines = refused(table, path, columns)
         assert any(line.startswith(words) for line in lines), lines
@@ -143,7 +143,7 @@ def test_a_wrong_mapping_is_one_line(published):
 def test_a_column_of_words_is_one_line(published):
     table, path = published
     (line,) = refused(table.assign(**{"Plate Angle": "x"}), path)
-    assert line == "column 'Plate Angle': contains no numbers (first 'x')"
+    assert line == "column 'Plate Angle': contains no numbers (first 'x' is not a number)"
 
 
 @pytest.mark.parametrize(
@@ -238,24 +238,17 @@ def test_columns_that_could_be_confused_are_refused(published):
     assert refused(twice, path) == ["column 'Plate Angle' appears twice"]
     both = table.assign(plate_angle=0.0)
     assert refused(both, path) == [
-        "columns 'plate_angle' and 'Plate Angle' both contain plate_angle; choose one with "
-        "dataset.columns"
+        "columns 'Plate Angle' and 'plate_angle' both contain plate_angle; keep one, or choose "
+        "with dataset.columns"
     ]
     read_external(path, {"plate_angle": "Plate Angle"})
     lines = refused(table, path, {"factory_angle": "Plate Angle"})
     assert lines == ["column 'Plate Angle' is mapped to both plate_angle and factory_angle"]
 
 
-@pytest.mark.parametrize("mark", [";", "\t"])
-def test_other_separators_are_one_line(published, mark):
-    table, path = published
-    lines = refused(table, path, sep=mark)
-    assert lines == [f"columns must be separated by commas, not by {mark!r}"]
-
-
 def test_a_field_too_many_shifts_no_column(published):
     table, path = published
     header, *rows = table.to_csv(index=False).splitlines()
     path.write_text("\n".join([header, *(f"1,{row}" for row in rows)]))
-    with pytest.raises(TableError, match=r"not a CSV table .*Expected 18 fields in line 2, saw 19"):
+    with pytest.raises(TableError, match="row 1 has 19 cells, the header has 18"):
         read_external(path)

@@ -12,14 +12,15 @@ from tables import product_law
 
 import abradem
 from abradem.cli.main import main
+from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, preset
 from abradem.learning.model_files import write_model
 from abradem.learning.physical.distil import Settings, distil, evaluate_surrogate, surrogate_of
 from abradem.learning.physical.models import PROCESS, makers
 from abradem.learning.physical.problem import problem
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, check_value
+from abradem.store.files import read_arrays
 from abradem.surrogate.groups import Jet
-from abradem.surrogate.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, preset
-from abradem.surrogate.model import PredictionError, Surrogate, conformal_quantile
+from abradem.surrogate.model import PredictionError, Surrogate, conformal_quantile, highest_level
 from abradem.units import parse_value
 
 JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
@@ -116,7 +117,28 @@ def test_the_quantile_holds_its_share_of_new_scores():
         quantile = conformal_quantile(np.sort(scores[:59]), 0.9)
         shares.append(scores[59] <= quantile)
     assert 0.85 < np.mean(shares) < 0.95
-    assert conformal_quantile(np.array([1.0, 2.0]), 0.99) == 2.0
+
+
+@pytest.mark.parametrize("count", [1, 2, 9, 12, 19, 99, 200])
+def test_no_level_beyond_the_scores_is_promised(count):
+    scores = np.arange(float(count))
+    highest = highest_level(count)
+    assert conformal_quantile(scores, highest) == count - 1
+    for level in (highest + 1e-6, 0.99999, 1.0, 0.0):
+        with pytest.raises(ValueError, match=f"which {count} scores can promise"):
+            conformal_quantile(scores, level)
+
+
+def test_the_default_level_is_one_that_the_surrogate_can_promise(stem):
+    surrogate = Surrogate.load(stem)
+    assert surrogate.predict(CASE).confidence == 0.95
+    few = Surrogate(surrogate.description, {**read_arrays(f"{stem}.safetensors"),
+                                            "conformal": np.arange(12.0)})  # fmt: skip
+    assert few.predict(CASE).confidence == few.highest_confidence == 12 / 13
+    with pytest.raises(PredictionError, match=r"12 held-out errors, which promise at most 0.9231"):
+        few.predict(CASE, 0.95)
+    with pytest.raises(PredictionError, match=r"write 0.95 for 95 %"):
+        few.predict(CASE, 95)
 
 
 # Errors and warnings
@@ -137,7 +159,7 @@ def test_values_outside_the_training_ranges_warn(stem):
         ({"particle_radius": -1.0}, "particle_radius = -1 m is impossible"),
         ({"plate_angle": np.nan}, "plate_angle = nan deg is impossible"),
         ({"plate_angle": "steep"}, "plate_angle = 'steep' is not a number"),
-        ({"plate_angle": np.array([1.0, 999.0])}, "plate_angle = 999 deg in row 1 is impossible"),
+        ({"plate_angle": np.array([1.0, 999.0])}, "plate_angle = 999 deg in row 2 is impossible"),
         ({"plate_angle": np.ones(2), "restitution": np.full(3, 0.5)}, "of different length"),
     ],
 )  # fmt: skip
@@ -252,14 +274,26 @@ def test_presets_are_possible_and_name_a_source():
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["particle_radius=20 lb"], "particle_radius = '20 lb': unit 'lb' is unknown here"),
+        (["particle_radius=20 lb"], "particle_radius = '20 lb': unit 'lb' has another dimension"),
         (["particle_radius=big"], "particle_radius = 'big' is not a number"),
-        (["radius=20"], "radius: no such quantity; known are"),
+        (["radius=20"], "radius (did you mean particle_radius?): no such quantity"),
+        (["colour=20"], "colour: no such quantity; known are"),
+        (
+            ["plate_angel=1", "Restitution=.5", "particle_size=1", "x=1", "speed=2"],
+            "plate_angel (did you mean plate_angle?), Restitution (did you mean restitution?), "
+            "particle_size (did you mean particle_",
+        ),
+        (["--material", "granit"], "--material granit: no such preset, did you mean granite?"),
+        (["particle_radius=20,5mm"], "particle_radius = '20,5mm' has a decimal comma"),
+        ([*WORDS, "--depth", "-5"], "--depth -5: must be positive"),
+        ([*WORDS, "--confidence", "1"], "--confidence 1: must lie between 0 and 1"),
+        ([*WORDS, "--confidence", "high"], "--confidence high: is not a number"),
+        ([*WORDS, "--confidence", "0.9999"], "confidence = 0.9999: the intervals rest on 150"),
         (["20"], "'20' is not of the form NAME=VALUE"),
         (["plate_angle=1", "plate_angle=2"], "plate_angle is given twice"),
-        ([*WORDS, "--depth", "5kg"], "depth = '5kg' is not a length"),
+        ([*WORDS, "--depth", "5kg"], "--depth 5kg: unit 'kg' has another dimension"),
         ([*WORDS, "--output", "a.csv"], "--output needs --table FILE"),
-        (["--table", "nowhere.csv"], "--table needs --output FILE"),
+        (["--table", "nowhere.csv"], "nowhere.csv: there is no such file"),
         (["--table", "nowhere.csv", "--output", "o.csv"], "nowhere.csv: there is no such file"),
         (["--table", "nowhere.txt", "--output", "o.csv"], "nowhere.txt: is neither .csv"),
     ],
@@ -292,6 +326,9 @@ def test_a_table_comes_back_with_predictions(capsys, stem, tmp_path, suffix):
     )  # fmt: skip
     assert code == 0 and out.startswith("30 cases predicted")
     found = pd.read_csv(output) if suffix == ".csv" else pd.read_parquet(output)
+    if suffix == ".csv":
+        assert list(found)[-2:] == ["hours_lower [h]", "hours_upper [h]"]
+        found.columns = found.columns.str.replace(r" \[.*\]", "", regex=True)
     expected = abradem.predict(frame.assign(restitution=0.5), stem)
     np.testing.assert_allclose(found["wear_depth_rate"], expected.rate, rtol=1e-6)
     np.testing.assert_allclose(found["hours"], expected.hours_to(2.0)[0], rtol=1e-6)
@@ -303,13 +340,131 @@ def test_a_table_comes_back_with_predictions(capsys, stem, tmp_path, suffix):
         assert field.metadata[b"units"] == b"mm/s"
 
 
+def asked(capsys, stem, tmp_path, table, *words):
+    """Answer for a table given as text."""
+    path = tmp_path / "t.csv"
+    path.write_text(table)
+    return run(capsys, "--model", stem, "--table", path, *words)
+
+
+REST = [word for word in WORDS if not word.startswith(("plate_angle", "restitution"))]
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "plate_angle,restitution\n45,0.5\n",
+        "plate_angle, restitution\n45, 0.5\n",
+        "Plate Angle;Restitution\n45;0,5\n",
+        "plate_angle (rad)\tCoefficient of Restitution (Interaction)\n0.7853981633974483\t0.5\n",
+        "restitution,site,PLATE_ANGLE\n0.5,north,45°\n",
+    ],
+)
+def test_a_table_gives_the_same_however_it_is_written(capsys, stem, tmp_path, table):
+    code, _, err = asked(capsys, stem, tmp_path, table, *REST, "--output", tmp_path / "o.csv")
+    assert code == 0 and "command line" in err and "restitution" not in err
+    given = {**CASE, "plate_angle": 45.0, "restitution": 0.5}
+    found = pd.read_csv(tmp_path / "o.csv")
+    assert found["wear_depth_rate [mm/s]"][0] == pytest.approx(abradem.predict(given, stem).rate[0])
+
+
+@pytest.mark.parametrize(
+    ("table", "words", "line"),
+    [
+        ("plate_angle,restitution\n45,0.5\n", [*REST, "plate_angle=10"],
+         "plate_angle is on the command line and in column 'plate_angle'; give it once"),
+        ("angle,restitution\n45,0.5\n", [*REST, "plate_angle=10"],
+         "column 'angle' is unknown; rename it to plate_angle if that is meant"),
+        ("plate_angle,Restitution coeff\n45,0.5\n", [*REST, "restitution=.3"],
+         "column 'Restitution coeff' is unknown; rename it to restitution"),
+        ("plate_angle,particle_youngs_modulus\n45,1e9\n", ["--material", "granite", *REST],
+         "missing: restitution"),
+        ("colour,taste\nred,sweet\n", WORDS, "has no column with a known quantity"),
+        ("plate_angle\n45\n", REST, "missing: restitution"),
+        ("plate_angle,wear_depth_rate\n45,1\n", [*REST, "restitution=.3"],
+         "already has column 'wear_depth_rate'"),
+        ("plate_angle\n45 mm\n", [*REST, "restitution=.3"], "unit 'mm' has another dimension"),
+    ],
+)  # fmt: skip
+def test_no_column_of_a_table_is_ignored_in_favour_of_another_value(
+    capsys, stem, tmp_path, table, words, line
+):
+    words = [word for word in words if word not in ("--material", "granite")]
+    code, out, err = asked(capsys, stem, tmp_path, table, *words)
+    assert code == 2 and out == "" and line in err
+    assert all(text.startswith(str(tmp_path)) for text in err.splitlines())
+
+
+def test_a_table_without_an_output_is_printed(capsys, stem, tmp_path):
+    words = [*REST, "restitution=0.5", "--depth", "5 mm"]
+    code, out, err = asked(capsys, stem, tmp_path, "plate_angle\n45\n50\n", *words)
+    header, *rows = out.splitlines()
+    assert code == 0 and len(rows) == 2 and header.startswith("plate_angle,wear_depth_rate [mm/s],")
+    assert "2 cases predicted: mean over the plate, 95 % interval" in err
+    code, _, err = asked(capsys, stem, tmp_path, "plate_angle\n45\n", *words, "--output",
+                         tmp_path / "t.csv")  # fmt: skip
+    assert code == 2 and "is the table itself" in err
+
+
+def test_units_and_columns_of_a_parquet_table_are_kept(capsys, stem, tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path, output = tmp_path / "t.parquet", tmp_path / "o.PARQUET"
+    schema = pa.schema([pa.field("particle_radius", pa.float64(), metadata={"units": "mm"}),
+                        pa.field("site", pa.string())])  # fmt: skip
+    pq.write_table(pa.table({"particle_radius": [20.0], "site": ["north"]}, schema=schema), path)
+    words = [word for word in WORDS if not word.startswith("particle_radius")]
+    code, _, _ = run(capsys, "--model", stem, "--table", path, "--output", output, *words)
+    assert code == 0
+    written = pq.read_schema(output)
+    assert written.field("particle_radius").metadata[b"units"] == b"mm"
+    assert b"95 % interval" in written.field("wear_depth_rate_lower").metadata[b"long_name"]
+    given = {**CASE, "particle_radius": 0.02}
+    found = pq.read_table(output).to_pydict()
+    assert found["site"] == ["north"] and found["particle_radius"] == [20.0]
+    assert found["wear_depth_rate"] == pytest.approx(abradem.predict(given, stem).rate)
+
+
+def test_the_depth_is_said_to_be_that_of_the_target(capsys, stem):
+    _, out, _ = run(capsys, "--model", stem, *WORDS, "--depth", "5")
+    assert "(wear_total_mean: mean over the plate)" in out
+    assert "(depth mean over the plate; single places are worn deeper)" in out
+
+
+@pytest.mark.parametrize("level", ["0.9", "90", "90%", "90 %"])
+def test_a_level_may_be_in_percent(capsys, stem, level):
+    _, out, _ = run(capsys, "--model", stem, *WORDS, "--confidence", level)
+    assert "90 % interval" in out
+
+
+def test_what_the_preset_gave_is_said(capsys, stem):
+    words = [word for word in WORDS if not word.startswith("particle_density")]
+    _, _, err = run(capsys, "--model", stem, *words, "--material", "Iron Ore")
+    assert err.splitlines()[-1] == "from the preset iron_ore: particle_density = 4000 kg/m3"
+
+
+def test_blanks_around_the_sign_and_the_unit_are_understood(capsys, stem):
+    rest = [word for word in WORDS if not word.startswith(("particle_radius", "particle_vel"))]
+    answers = {
+        run(capsys, "--model", stem, *rest, *words)[1]
+        for words in (
+            ("particle_radius=20mm", "particle_velocity_y=-5"),
+            ("particle_radius", "=", "20", "mm", "particle_velocity_y", "=", "-5", "m/s"),
+            ("particle_radius=", "20mm", "particle_velocity_y=", "−18 km/h"),
+            ("particle_radius", "=2cm", "particle_velocity_y", "=-5m/s"),
+        )
+    }
+    assert len(answers) == 1 and "mm/s" in answers.pop()
+
+
 def test_a_wrong_row_of_a_table_is_named(capsys, stem, tmp_path):
     frame = pd.DataFrame([CASE, CASE]).assign(restitution=[0.5, 7.0])
     frame.to_csv(tmp_path / "t.csv", index=False)
     code, _, err = run(
         capsys, "--model", stem, "--table", tmp_path / "t.csv", "--output", tmp_path / "o.csv"
     )
-    assert code == 2 and "t.csv: restitution = 7 in row 1 is impossible" in err
+    assert code == 2 and "t.csv: restitution = 7 in row 2 is impossible" in err
     assert not (tmp_path / "o.csv").exists()
 
 

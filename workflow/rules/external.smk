@@ -1,14 +1,12 @@
 # An external table replaces sampling, simulation and data set.
 from abradem.store.files import TableError
-from abradem.dataset.external import read_external
+from abradem.dataset.external import read_external, repeated
+from abradem.dataset.user_table import local_file
 
-EXTERNAL = CONFIG.dataset.external
-
-if not Path(EXTERNAL).is_file():
-    sys.exit(f"dataset.external: {EXTERNAL}: there is no such file")
 try:
+    EXTERNAL = str(local_file(CONFIG.dataset.external))
     # Checked before anything is written; the rule reads the table again.
-    read_external(EXTERNAL, CONFIG.dataset.columns)
+    REPEATED_ROWS = repeated(read_external(EXTERNAL, CONFIG.dataset.columns))
 except TableError as error:
     sys.exit(str(error))
 
@@ -32,6 +30,7 @@ rule dataset:
     params:
         columns=CONFIG.dataset.columns,
         damping_coefficient=CONFIG.features.damping_coefficient,
+        repeated=REPEATED_ROWS,
         code=code_of("dataset/external"),
     script:
         "../scripts/dataset/external.py"

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import abradem
+from abradem.cli.given_values import joined
 from abradem.cli.predict import add_parser as add_predict
 
 WRONG_INPUT = 2
@@ -28,7 +29,7 @@ class InputError(ValueError):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
-    options = _parser().parse_args(arguments)
+    options = _parser().parse_args(joined(sys.argv[1:] if arguments is None else arguments))
     try:
         return options.run(options)
     except Exception as error:
@@ -124,9 +125,11 @@ def _check_config(options: argparse.Namespace) -> int:
 
     config = read_config(*(options.check or options.folder))
     if config.dataset.external is not None:
-        from abradem.dataset.external import read_external
+        from abradem.dataset.external import read_external, repeated
 
-        read_external(config.dataset.external, config.dataset.columns)
+        again = repeated(read_external(config.dataset.external, config.dataset.columns))
+        if again:
+            print(f"{config.dataset.external}: {again}", file=sys.stderr)
     print(estimate(config) if options.check else f"results/{config.study}")
     return 0
 
@@ -208,11 +211,13 @@ def _existing(folder: Path) -> Path:
 
 
 def _wear_line(tables: dict, row: dict, setup: dict, options) -> str:
-    """One line with the headline wear rate of a simulated case."""
+    """Two lines with the wear rate of a simulated case: plate mean, and other statistics."""
     import pandas as pd
 
     from abradem.dem.model import Setup
+    from abradem.quantities import STATISTICS, wear_column
     from abradem.wear.rates import wear_rates
+    from abradem.words.labels import STATISTIC_WORDS
 
     rates = wear_rates(
         tables["series"],
@@ -224,9 +229,14 @@ def _wear_line(tables: dict, row: dict, setup: dict, options) -> str:
         options.footprint_share,
     ).iloc[0]
     mean, error = rates["wear_total_mean"], rates["wear_total_mean_stderr"]
+    places = ", ".join(
+        f"{STATISTIC_WORDS[statistic]} {rates[wear_column('total', statistic)]:.4g} mm/s"
+        for statistic in STATISTICS
+        if statistic != "mean"
+    )
     return (
         f"wear depth rate {mean:.6g} mm/s, standard error {error:.2g} mm/s "
-        f"(total, mean over the plate), quality {rates['quality']}"
+        f"(total, mean over the plate), quality {rates['quality']}\n{places}"
     )
 
 

@@ -9,15 +9,31 @@ import argparse
 import sys
 from pathlib import Path
 
-import numpy as np
+from abradem.cli.given_values import (
+    Given,
+    confidence_level,
+    depth_mm,
+    given_values,
+    value_text,
+)
+from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
+from abradem.quantities import SAMPLED
+from abradem.surrogate.model import Prediction, PredictionError, Surrogate
+from abradem.words.labels import LABELS, wear_words
 
-from abradem.quantities import SAMPLED, SAMPLED_NAMES
-from abradem.surrogate.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, preset
-from abradem.surrogate.model import PredictionError, Surrogate
-from abradem.units import UNITS, parse_value
-from abradem.words.labels import LABELS
+EPILOG = """\
+quantities (unit, range of the paper, meaning):
+{quantities}
 
-EXAMPLE = """\
+A value may have a unit: 20mm, 45°, -5 m/s, 18 km/h, 2.65 g/cm³. Otherwise the unit is that above.
+
+archard_constant is W of Archard's law h = W F_n s / A: W = k / H, with the dimensionless wear
+coefficient k and the hardness H of the plate (k = 1e-4 and H = 2 GPa give 5e-14 1/Pa). It is the
+same as the specific wear rate that tests of wear report: 1 mm³/(N m) = 1e-9 1/Pa.
+
+materials:
+{materials}
+
 example:
   abradem predict --material granite plate_angle=45deg factory_angle=0deg \\
     particle_radius=20mm particle_velocity_y=-5m/s archard_constant=1e-9/Pa
@@ -26,11 +42,12 @@ example:
 
 def add_parser(commands) -> None:
     """Add the command to the subparsers of the command line."""
+    epilog = EPILOG.format(quantities=_quantities(), materials=_materials())
     parser = commands.add_parser(
         "predict",
         help="predict the wear depth rate of a plate, with an interval",
-        description="Predict the mean wear depth rate of a plate with the surrogate of a study.",
-        epilog=f"quantities:\n{_quantities()}\n\nmaterials:\n{_materials()}\n\n{EXAMPLE}",
+        description="Predict the wear depth rate of a plate with the surrogate of a study.",
+        epilog=epilog,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
@@ -38,8 +55,9 @@ def add_parser(commands) -> None:
     )
     parser.add_argument(
         "--material",
-        choices=sorted(PARTICLE_MATERIALS),
-        help="preset for the quantities that are not given, on a steel plate",
+        metavar="NAME",
+        help="preset for the quantities that are not given, on a steel plate: "
+        + ", ".join(sorted(PARTICLE_MATERIALS)),
     )
     parser.add_argument(
         "--model",
@@ -49,24 +67,25 @@ def add_parser(commands) -> None:
     )
     parser.add_argument(
         "--confidence",
-        type=float,
-        default=0.95,
         metavar="P",
-        help="level of the interval; default: 0.95",
+        help="level of the interval, such as 0.9 or 90; default: 0.95, or the highest that the "
+        "surrogate can promise",
     )
     parser.add_argument(
-        "--depth", metavar="VALUE", help="also print the hours until this wear depth, such as 5mm"
+        "--depth",
+        metavar="VALUE",
+        help="also print the hours until this wear depth, such as 5mm, in the mean over the plate "
+        "or whatever the surrogate predicts; single places are worn deeper",
     )
     parser.add_argument(
-        "--table", type=Path, metavar="FILE",
+        "--table", metavar="FILE",
         help="predict many cases: .csv or .parquet with the quantities as columns; missing columns "
         "are taken from NAME=VALUE and --material",
     )  # fmt: skip
     parser.add_argument(
         "--output",
-        type=Path,
         metavar="FILE",
-        help="write the table with predictions, .csv or .parquet",
+        help="write the table with predictions, .csv or .parquet; default: print it as CSV",
     )
     parser.add_argument(
         "--onnx", type=Path, metavar="FILE", help="write the surrogate as ONNX (extra: onnx)"
@@ -76,8 +95,12 @@ def add_parser(commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return the exit code."""
+    if options.output is not None and options.table is None:
+        raise PredictionError("--output needs --table FILE")
+    given = given_values(options.values, options.material)
+    depth = None if options.depth is None else depth_mm(options.depth)
+    level = None if options.confidence is None else confidence_level(options.confidence)
     surrogate = Surrogate.load(options.model or default_model())
-    depth = None if options.depth is None else _depth(options.depth)
     if options.onnx:
         from abradem.surrogate.onnx import export_onnx
 
@@ -87,24 +110,55 @@ def run(options: argparse.Namespace) -> int:
             raise PredictionError("--onnx needs the package onnx: pip install onnx") from None
         if not options.values and options.table is None:
             return 0
-    given = _given(options)
     if options.table is not None:
-        _predict_table(options, surrogate, given, depth)
+        from abradem.cli.predict_table import predict_table
+
+        predict_table(surrogate, given, options.table, options.output, depth, level)
         return 0
-    if options.output is not None:
-        raise PredictionError("--output needs --table FILE")
-    prediction = surrogate.predict(given, options.confidence)
-    _warn(prediction.warnings)
+    _predict_case(surrogate, given, depth, level)
+    return 0
+
+
+def _predict_case(
+    surrogate: Surrogate, given: Given, depth: float | None, level: float | None
+) -> None:
+    prediction = surrogate.predict(given.values, level)
+    warn(prediction.warnings)
     rate, low, high = (float(column[0]) for column in prediction[:3])
     name, unit = (surrogate.description["target"][key] for key in ("name", "unit"))
+    presets = sorted(
+        (value_text(quantity, given.values[quantity]), origin)
+        for quantity, origin in given.origins.items()
+        if origin in PARTICLE_MATERIALS
+    )
+    if presets:
+        values = ", ".join(text for text, _ in presets)
+        print(f"from the preset {presets[0][1]}: {values}", file=sys.stderr)
     print(
-        f"wear depth rate {rate:.4g} {unit}, {100.0 * options.confidence:g} % interval "
-        f"{low:.4g} to {high:.4g} {unit} ({name})"
+        f"wear depth rate {rate:.4g} {unit}, {level_text(prediction, surrogate)} interval "
+        f"{low:.4g} to {high:.4g} {unit} ({name}: {wear_words(name)})"
     )
     if depth is not None:
         middle, least, most = (float(column[0]) for column in prediction.hours_to(depth))
-        print(f"{depth:g} mm after {middle:.4g} h, {least:.4g} to {most:.4g} h")
-    return 0
+        print(
+            f"{depth:g} mm after {middle:.4g} h, {least:.4g} to {most:.4g} h "
+            f"({depth_words(surrogate)})"
+        )
+
+
+def level_text(prediction: Prediction, surrogate: Surrogate) -> str:
+    """Return the level of an interval in percent, and why it is below the usual one."""
+    text = f"{100.0 * prediction.confidence:.4g} %"
+    if prediction.confidence == surrogate.highest_confidence < surrogate.usual_confidence:
+        text += f" (the highest that {surrogate.score_count} held-out errors promise)"
+    return text
+
+
+def depth_words(surrogate: Surrogate) -> str:
+    """Return of what the depth is that a surrogate predicts, in words."""
+    name = surrogate.description["target"]["name"]
+    words = f"depth {wear_words(name)}"
+    return words if name.endswith("_max") else f"{words}; single places are worn deeper"
 
 
 def default_model(config: Path = Path("config.yaml")) -> str:
@@ -122,116 +176,21 @@ def default_model(config: Path = Path("config.yaml")) -> str:
     return f"results/{study}/models/surrogate"
 
 
-def _given(options: argparse.Namespace) -> dict[str, float]:
-    """Quantities of the preset and of the command line; the command line takes precedence."""
-    given = dict(preset(options.material)) if options.material else {}
-    problems, seen = [], set()
-    for text in options.values:
-        name, equals, value = text.partition("=")
-        if not equals:
-            problems.append(f"{text!r} is not of the form NAME=VALUE")
-        elif name not in SAMPLED_NAMES:
-            problems.append(f"{name}: no such quantity; known are {', '.join(SAMPLED_NAMES)}")
-        elif name in seen:
-            problems.append(f"{name} is given twice")
-        else:
-            seen.add(name)
-            try:
-                given[name] = parse_value(name, value)
-            except ValueError as error:
-                problems.append(str(error))
-    if problems:
-        raise PredictionError("\n".join(problems))
-    return given
-
-
-def _depth(text: str) -> float:
-    """Convert a depth to mm."""
-    try:
-        return 1e3 * parse_value("particle_radius", text if text[-1:].isalpha() else f"{text}mm")
-    except ValueError:
-        raise PredictionError(
-            f"depth = {text!r} is not a length (units: {', '.join(UNITS['m'])}; mm by default)"
-        ) from None
-
-
-def _predict_table(options, surrogate: Surrogate, given: dict, depth: float | None) -> None:
-    if options.output is None:
-        raise PredictionError("--table needs --output FILE")
-    table = _read(options.table)
-    values = {name: np.full(len(table), value) for name, value in given.items()}
-    values |= {name: table[name].to_numpy() for name in SAMPLED_NAMES if name in table}
-    try:
-        prediction = surrogate.predict(values, options.confidence)
-    except PredictionError as error:
-        lines = str(error).splitlines()
-        raise PredictionError("\n".join(f"{options.table}: {line}" for line in lines)) from None
-    _warn(prediction.warnings)
-    unit = surrogate.description["target"]["unit"]
-    columns = {
-        "wear_depth_rate": (prediction.rate, unit),
-        "wear_depth_rate_lower": (prediction.lower, unit),
-        "wear_depth_rate_upper": (prediction.upper, unit),
-    }
-    if depth is not None:
-        middle, least, most = prediction.hours_to(depth)
-        columns |= {
-            "hours": (middle, "h"), "hours_lower": (least, "h"), "hours_upper": (most, "h"),
-        }  # fmt: skip
-    _write(table, columns, options.output)
-    print(f"{len(table)} cases predicted, written to {options.output}")
-
-
-def _read(path: Path):
-    import pandas as pd
-
-    readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet}
-    if path.suffix not in readers:
-        raise PredictionError(f"{path}: is neither .csv nor .parquet")
-    try:
-        table = readers[path.suffix](path)
-    except FileNotFoundError:
-        raise PredictionError(f"{path}: there is no such file") from None
-    except (ValueError, OSError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise PredictionError(f"{path}: cannot be read ({reason})") from None
-    if not len(table):
-        raise PredictionError(f"{path}: has no rows")
-    return table
-
-
-def _write(table, columns: dict, path: Path) -> None:
-    from abradem.store.files import replacing
-
-    if path.suffix not in (".csv", ".parquet"):
-        raise PredictionError(f"{path}: is neither .csv nor .parquet")
-    frame = table.assign(**{name: values for name, (values, _) in columns.items()})
-    with replacing(path) as sink:
-        if path.suffix == ".csv":
-            frame.to_csv(sink, index=False)
-            return
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
-        arrow = pa.Table.from_pandas(frame, preserve_index=False)
-        for place, field in enumerate(arrow.schema):
-            unit = columns.get(field.name, (None, ""))[1]
-            if unit:
-                field = field.with_metadata({"units": unit})
-                arrow = arrow.set_column(place, field, arrow.column(place))
-        pq.write_table(arrow, sink)
-
-
-def _warn(lines: list[str]) -> None:
+def warn(lines: list[str]) -> None:
+    """Print warnings to stderr."""
     for line in lines:
         print(f"warning: {line}", file=sys.stderr)
 
 
 def _quantities() -> str:
-    return "\n".join(
-        f"  {row.name:26}{'' if row.unit == '1' else row.unit:8}{LABELS[row.name].long_name}"
-        for row in SAMPLED
-    )
+    lines = []
+    for row in SAMPLED:
+        low, high = row.paper_range
+        unit = "" if row.unit == "1" else row.unit
+        lines.append(
+            f"  {row.name:24} {unit:6} {low:g} ... {high:g}".ljust(54) + LABELS[row.name].long_name
+        )
+    return "\n".join(lines)
 
 
 def _materials() -> str:

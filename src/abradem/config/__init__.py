@@ -5,14 +5,36 @@ The declaration `Config` is the single source of the checks, the schema
 ``python -m abradem.config --write`` regenerates the latter two. Each problem of a configuration
 is reported in one line, ``file: key: value: problem (allowed ...)``.
 
-The package imports only pydantic and PyYAML, because the Snakefile imports it at every start.
+The package imports only pydantic and PyYAML, because the Snakefile imports it at every start, and
+these only when they are used, because `abradem predict` needs the presets of materials alone.
 """
 
-from abradem.config.declaration import Config
-from abradem.config.keys import COMMAND_LINE
-from abradem.config.reading import ConfigError, load_config, read_config, refuse_all_but_data
-from abradem.config.reference import documentation, schema
-from abradem.config.values import sampled_ranges, setup_dict, to_yaml, typical_case
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from abradem.config.declaration import Config
+    from abradem.config.keys import COMMAND_LINE
+    from abradem.config.reading import ConfigError, load_config, read_config, refuse_all_but_data
+    from abradem.config.reference import documentation, schema
+    from abradem.config.values import sampled_ranges, setup_dict, to_yaml, typical_case
+
+_LAZY = {
+    "COMMAND_LINE": "keys",
+    "Config": "declaration",
+    "ConfigError": "reading",
+    "documentation": "reference",
+    "load_config": "reading",
+    "read_config": "reading",
+    "refuse_all_but_data": "reading",
+    "sampled_ranges": "values",
+    "schema": "reference",
+    "setup_dict": "values",
+    "to_yaml": "values",
+    "typical_case": "values",
+}
 
 __all__ = [
     "COMMAND_LINE",
@@ -28,3 +50,9 @@ __all__ = [
     "to_yaml",
     "typical_case",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LAZY:
+        return getattr(importlib.import_module(f"abradem.config.{_LAZY[name]}"), name)
+    raise AttributeError(f"module 'abradem.config' has no attribute {name!r}")

@@ -1,5 +1,5 @@
 """The surrogate of a study: fast predictions of wear depth rates with intervals.
 
-`groups` computes the dimensionless groups, `model` predicts, `materials` holds material presets,
-and `onnx` exports the surrogate for use outside Python.
+`groups` computes the dimensionless groups, `model` predicts, and `onnx` exports the surrogate for
+use outside Python.
 """

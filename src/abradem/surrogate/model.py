@@ -45,7 +45,7 @@ class PredictionError(ValueError):
 
 
 class Prediction(NamedTuple):
-    """Wear depth rates of n cases, mean over the plate.
+    """Wear depth rates of n cases, in the mean over the plate or of the target of the study.
 
     Attributes
     ----------
@@ -69,7 +69,8 @@ class Prediction(NamedTuple):
         Parameters
         ----------
         depth : float
-            Wear depth, mm.
+            Wear depth, mm, of what the surrogate predicts: in the mean over the plate, unless the
+            study chose another target. Single places are worn deeper.
 
         Returns
         -------
@@ -122,6 +123,19 @@ class Surrogate:
         self.layers = {name: _layers(arrays, name) for name in NETWORKS}
         self._quantiles = np.sort(arrays["conformal"])
 
+    usual_confidence = 0.95
+    """Level of an interval for which no level is asked."""
+
+    @property
+    def score_count(self) -> int:
+        """Number of held-out errors behind the intervals."""
+        return len(self._quantiles)
+
+    @property
+    def highest_confidence(self) -> float:
+        """Highest level of an interval that the held-out errors can promise."""
+        return highest_level(self.score_count)
+
     @classmethod
     def load(cls, path: str | Path) -> Surrogate:
         """Read a surrogate from its JSON file and the safetensors file next to it.
@@ -150,7 +164,9 @@ class Surrogate:
         except (ValueError, KeyError, TypeError, OSError) as error:
             raise PredictionError(f"{path}: damaged, or not a surrogate ({error!r})") from None
 
-    def predict(self, values: Mapping[str, ArrayLike], confidence: float = 0.95) -> Prediction:
+    def predict(
+        self, values: Mapping[str, ArrayLike], confidence: float | None = None
+    ) -> Prediction:
         """Predict the wear depth rates of some cases.
 
         Parameters
@@ -158,20 +174,24 @@ class Surrogate:
         values : mapping of str to float or array
             The 14 sampled quantities in the units of `abradem.quantities`, broadcast to shape
             (n,). A DataFrame is accepted.
-        confidence : float
-            Level of the interval, above 0 and below 1.
+        confidence : float, optional
+            Level of the interval, above 0 and at most `highest_confidence`. The default is 0.95,
+            or `highest_confidence` if that is lower.
 
         Returns
         -------
         Prediction
-            Rates in mm/s, shape (n,).
+            Rates in mm/s, shape (n,), and the level of the interval.
 
         Raises
         ------
         PredictionError
-            If a quantity is missing, not a number, or physically impossible.
+            If a quantity is missing, not a number, or physically impossible, or if the level is
+            higher than the held-out errors can promise.
         """
         columns = _columns(values, self.jet)
+        if confidence is None:
+            confidence = min(self.usual_confidence, self.highest_confidence)
         factor = self._factor(confidence)
         rows = len(next(iter(columns.values())))
         rate, ratio = np.empty(rows), np.empty(rows)
@@ -189,7 +209,15 @@ class Surrogate:
     def _factor(self, confidence: float) -> float:
         """Half width of the interval in standard deviations, a quantile of held-out errors."""
         if not 0.0 < confidence < 1.0:
-            raise PredictionError(f"confidence = {confidence!r} must lie between 0 and 1")
+            hint = (
+                f"; write {confidence / 100.0:g} for {confidence:g} %" if confidence > 1.0 else ""
+            )
+            raise PredictionError(f"confidence = {confidence!r} must lie between 0 and 1{hint}")
+        if confidence > self.highest_confidence:
+            raise PredictionError(
+                f"confidence = {confidence!r}: the intervals rest on {self.score_count} held-out "
+                f"errors, which promise at most {self.highest_confidence:.4g}"
+            )
         return conformal_quantile(self._quantiles, confidence)
 
     def _outside(self, columns: Mapping[str, np.ndarray]) -> list[str]:
@@ -215,7 +243,7 @@ class Surrogate:
 def predict(
     values: Mapping[str, ArrayLike],
     model: str | Path | Surrogate = "results/paper/models/surrogate",
-    confidence: float = 0.95,
+    confidence: float | None = None,
 ) -> Prediction:
     """Predict wear depth rates and their intervals with the surrogate of a study.
 
@@ -226,8 +254,8 @@ def predict(
         many cases.
     model : path or Surrogate
         Stem of the files, such as results/paper/models/surrogate.
-    confidence : float
-        Level of the interval.
+    confidence : float, optional
+        Level of the interval; 0.95, or the highest that the surrogate can promise, by default.
 
     Returns
     -------
@@ -243,23 +271,40 @@ def predict(
     return surrogate.predict(values, confidence)
 
 
+def highest_level(count: int) -> float:
+    """Highest level that a conformal interval from ``count`` held-out scores can promise."""
+    return count / (count + 1)
+
+
 def conformal_quantile(ordered: np.ndarray, confidence: float) -> float:
     """Quantile of held-out scores for a conformal interval.
 
     Of n scores, the one of rank ceil((n + 1) confidence) gives intervals that contain at least
     this share of new rows (Vovk, Gammerman and Shafer 2005, Algorithmic Learning in a Random
-    World). For a confidence above n / (n + 1) no rank is high enough, and the largest is used.
+    World). For a confidence above n / (n + 1) no rank is high enough, and only an infinite
+    interval would do.
 
     Parameters
     ----------
     ordered : ndarray, shape (n,)
         Scores in ascending order.
     confidence : float
-        Level of the interval, between 0 and 1.
+        Level of the interval, above 0 and at most `highest_level` of n.
+
+    Raises
+    ------
+    ValueError
+        If the scores cannot promise this level.
     """
     count = len(ordered)
+    # (n + 1) n / (n + 1) need not be n exactly.
     rank = int(np.ceil((count + 1) * confidence - 1e-9))
-    return float(ordered[min(max(rank, 1), count) - 1])
+    if not 1 <= rank <= count:
+        raise ValueError(
+            f"confidence = {confidence!r} is not above 0 and at most {highest_level(count):.4g}, "
+            f"which {count} scores can promise"
+        )
+    return float(ordered[rank - 1])
 
 
 def _columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
@@ -280,7 +325,7 @@ def _columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
         if wrong.any():
             place = int(np.argmax(wrong))
             unit = "" if row.unit == "1" else f" {row.unit}"
-            where = "" if len(column) == 1 else f" in row {place}"
+            where = "" if len(column) == 1 else f" in row {place + 1}"
             problems.append(
                 f"{row.name} = {column[place]:g}{unit}{where} is impossible "
                 f"(allowed {low:g} ... {high:g}{unit})"

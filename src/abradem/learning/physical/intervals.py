@@ -25,7 +25,7 @@ from scipy import stats
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import folds
-from abradem.surrogate.model import conformal_quantile
+from abradem.surrogate.model import conformal_quantile, highest_level
 
 CONFORMAL, OWN = METHODS = ("conformal", "gaussian process")
 LEVELS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
@@ -83,27 +83,32 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[p
     -------
     calibration : pandas.DataFrame
         method, level, coverage, band_lower, band_upper (binomial band), tested (number of rows),
-        width (median of upper end / prediction - 1).
+        width (median of upper end / prediction - 1). Levels that the held-out scores of a fold
+        cannot promise are left out.
     summary : dict
         ``scores``: sorted held-out scores |t - mean| / deviation of all rows, from which the
-        conformal intervals of later predictions are computed; ``coverage`` at the levels
-        `REPORTED`; ``in_band``, ``within_tolerance``.
+        conformal intervals of later predictions are computed; ``highest_level`` that they can
+        promise; ``coverage`` at the levels `REPORTED`, and ``not_reached``, those of them that
+        were left out; ``in_band``, ``within_tolerance``.
     """
     make = makers(seed)[PROCESS]
     n = len(given.log_number)
+    splits = list(folds(n, fold_count, seed))
+    highest = highest_level(min(len(train) for train, _ in splits))
+    levels = [level for level in LEVELS if level <= highest]
     score, deviation = np.empty(n), np.empty(n)
-    quantile = np.empty((n, len(LEVELS)))
-    for train, test in folds(n, fold_count, seed):
+    quantile = np.empty((n, len(levels)))
+    for train, test in splits:
         score[test], deviation[test] = _scores(fitted(make, given, train), given, test)
         observed = held_out_scores(given, train, seed=seed)
-        quantile[test] = [conformal_quantile(observed, level) for level in LEVELS]
+        quantile[test] = [conformal_quantile(observed, level) for level in levels]
     half = {
         CONFORMAL: quantile,
-        OWN: np.tile(stats.norm.ppf(0.5 + 0.5 * np.array(LEVELS)), (n, 1)),
+        OWN: np.tile(stats.norm.ppf(0.5 + 0.5 * np.array(levels)), (n, 1)),
     }
     rows = []
     for method in METHODS:
-        for place, level in enumerate(LEVELS):
+        for place, level in enumerate(levels):
             inside = score <= half[method][:, place]
             low, high = stats.binom.interval(BAND, n, level)
             width = float(np.median(np.expm1(half[method][:, place] * deviation)))
@@ -118,6 +123,8 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[p
         "rows": n,
         "folds": fold_count,
         "scores": np.sort(score),
+        "highest_level": highest_level(n),
+        "not_reached": [level for level in REPORTED if level not in levels],
         "coverage": [
             {
                 "level": row.level,

@@ -14,7 +14,7 @@ from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import folds, repeated_splits
 from abradem.learning.scores import r2, score
 from abradem.quantities import SAMPLED_NAMES
-from abradem.surrogate.model import conformal_quantile
+from abradem.surrogate.model import conformal_quantile, highest_level
 
 SMALLEST = 25
 """Number of training rows at the start of a learning curve."""
@@ -111,7 +111,8 @@ def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) 
     -------
     pandas.DataFrame
         test, words, model, trained, tested (numbers of rows), r2, mape, coverage (of the 95 %
-        intervals of the Gaussian process; nan for other models), within_r2, within_mape (by
+        intervals of the Gaussian process; nan for other models, and where too few rows
+        can promise that level), within_r2, within_mape (by
         cross-validation). Tests with too few rows are left out.
     """
     y = given.table.target
@@ -128,7 +129,7 @@ def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) 
             predicted = model.predict(given.groups[held])
             found = score(y[held], given.wear(held, predicted), float(y[train].min()))
             coverage = np.nan
-            if name == PROCESS:
+            if name == PROCESS and highest_level(len(train)) >= LEVEL:
                 _, deviation = model.predict_with_deviation(given.groups[held])
                 observed = held_out_scores(given, train, seed=seed)
                 away = np.abs(given.log_number[held] - predicted) / deviation

@@ -1,0 +1,170 @@
+"""NAME=VALUE on the command line: blanks around "=", units, presets, and what is misspelt."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from abradem.config.materials import PARTICLE_MATERIALS, preset
+from abradem.quantities import SAMPLED_NAMES, quantity
+from abradem.surrogate.model import PredictionError
+from abradem.units import parse_quantity, parse_value
+
+SHORT_NAMES = {
+    "radius": "particle_radius", "size": "particle_radius", "velocity": "particle_velocity_y",
+    "speed": "particle_velocity_y", "angle": "plate_angle", "density": "particle_density",
+    "friction": "static_friction", "w": "archard_constant", "wear_constant": "archard_constant",
+    "theta": "factory_angle", "phi": "plate_angle", "mu": "static_friction",
+    "diameter": "particle_radius",
+}  # fmt: skip
+"""What is meant by words that are not similar to any name; only for "did you mean"."""
+
+_ALIKE = 0.6
+"""Similarity of two names (Ratcliff and Obershelp) from which one may be meant by the other."""
+
+
+class Given(NamedTuple):
+    """Quantities of a command line.
+
+    Attributes
+    ----------
+    values : dict of str to float
+        In the units of `abradem.quantities`; the command line takes precedence over the preset.
+    origins : dict of str to str
+        "command line" or the name of the preset.
+    """
+
+    values: dict[str, float]
+    origins: dict[str, str]
+
+
+COMMAND_LINE = "command line"
+
+
+def joined(arguments: Sequence[str]) -> list[str]:
+    """Return arguments in which NAME = VALUE, with blanks around "=", is one word.
+
+    A value that begins with a minus, such as -5m/s, would otherwise be taken for an option.
+    """
+    words: list[str] = []
+    for word in arguments:
+        after = bool(words) and words[-1].endswith("=") and not words[-1].startswith("-")
+        before = word.startswith("=") and bool(words) and not words[-1].startswith("-")
+        if after or before:
+            words[-1] += word
+        else:
+            words.append(word)
+    return words
+
+
+def given_values(texts: Sequence[str], material: str | None) -> Given:
+    """Read the values of a command line and of a preset.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        Words such as "particle_radius=20mm"; a word without "=" continues the value before it.
+    material : str or None
+        Name of a preset.
+
+    Raises
+    ------
+    PredictionError
+        With one line for each problem; all misspelt names are in one line.
+    """
+    values: dict[str, float] = {}
+    origins: dict[str, str] = {}
+    if material is not None:
+        values |= preset(material_name(material))
+        origins |= dict.fromkeys(values, material_name(material))
+    problems, unknown, seen = [], [], set()
+    for text in _assignments(texts):
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals:
+            problems.append(f"{text!r} is not of the form NAME=VALUE")
+        elif name not in SAMPLED_NAMES:
+            unknown.append(name)
+        elif name in seen:
+            problems.append(f"{name} is given twice")
+        else:
+            seen.add(name)
+            try:
+                values[name] = parse_value(name, value)
+                origins[name] = COMMAND_LINE
+            except ValueError as error:
+                problems.append(str(error))
+    if unknown:
+        problems.insert(0, _unknown(unknown))
+    if problems:
+        raise PredictionError("\n".join(problems))
+    return Given(values, origins)
+
+
+def _assignments(texts: Sequence[str]) -> list[str]:
+    found: list[str] = []
+    for text in texts:
+        if "=" not in text and found and "=" in found[-1]:
+            found[-1] += f" {text}"
+        else:
+            found.append(text)
+    return found
+
+
+def _unknown(names: Sequence[str]) -> str:
+    """Return one line on all names that are no quantities."""
+    shown = []
+    hinted = True
+    for name in names:
+        plain = name.lower().replace("-", "_").replace(" ", "_")
+        close = [SHORT_NAMES[plain]] if plain in SHORT_NAMES else []
+        close += difflib.get_close_matches(plain, SAMPLED_NAMES, 1, _ALIKE)
+        hinted = hinted and bool(close)
+        shown.append(f"{name} (did you mean {close[0]}?)" if close else name)
+    known = "" if hinted else f"; known are {', '.join(SAMPLED_NAMES)}"
+    plural = "no such quantity" if len(names) == 1 else "no such quantities"
+    return f"{', '.join(shown)}: {plural}{known}"
+
+
+def material_name(text: str) -> str:
+    """Return the name of a preset, whatever case and separator; raise if there is none."""
+    plain = text.strip().lower().replace("-", "_").replace(" ", "_")
+    if plain in PARTICLE_MATERIALS:
+        return plain
+    close = difflib.get_close_matches(plain, PARTICLE_MATERIALS, 1, _ALIKE)
+    hint = f", did you mean {close[0]}?" if close else ""
+    raise PredictionError(
+        f"--material {text}: no such preset{hint} (allowed {', '.join(sorted(PARTICLE_MATERIALS))})"
+    )
+
+
+def confidence_level(text: str) -> float:
+    """Return a level between 0 and 1 of a text such as "0.95", "95" or "95 %"."""
+    try:
+        number = float(text.strip().removesuffix("%"))
+    except ValueError:
+        raise PredictionError(f"--confidence {text}: is not a number") from None
+    if text.strip().endswith("%") or 1.0 < number < 100.0:
+        number /= 100.0
+    if not 0.0 < number < 1.0:
+        raise PredictionError(
+            f"--confidence {text}: must lie between 0 and 1, or between 1 and 100 %"
+        )
+    return number
+
+
+def depth_mm(text: str) -> float:
+    """Return a depth in mm of a text such as "5mm" or "5"."""
+    try:
+        depth = 1e3 * parse_quantity(text, "m", default="mm")
+    except ValueError as error:
+        raise PredictionError(f"--depth {text}: {error}") from None
+    if not depth > 0.0:
+        raise PredictionError(f"--depth {text}: must be positive")
+    return depth
+
+
+def value_text(name: str, value: float) -> str:
+    """Return a value of a quantity as text with its unit."""
+    unit = quantity(name).unit
+    return f"{name} = {value:.6g}{'' if unit == '1' else f' {unit}'}"
