@@ -17,8 +17,8 @@ WEAR_MEASURES = ("total", "sliding", "friction")
 """The three wear measures, each a form of "normal force times sliding distance" (Archard 1953,
 J. Appl. Phys. 24:981)."""
 
-STATISTICS = ("mean", "footprint", "p99", "max")
-"""The statistics of a wear measure over the facets of the plate."""
+STATISTICS = ("mean", "worn", "footprint", "p99", "max")
+"""The statistics of a wear measure over the elements of the plate: facets, or squares of facets."""
 
 
 @dataclass(frozen=True)

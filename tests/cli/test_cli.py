@@ -92,7 +92,7 @@ def test_the_case_of_the_study_is_simulated(study, simulated, config, capsys):
     assert first == "case 7: ok, 3.5 s simulated"
     depth_rate = 1e3 * RATE * expected.archard_constant / 0.09
     assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
-    assert third.startswith("mean over the footprint ") and "worst facet" in third
+    assert third.startswith("mean over the worn elements ") and "worst element" in third
 
 
 def test_series_is_written_with_its_units(study, simulated, tmp_path):

@@ -303,7 +303,23 @@ MALFORMED = {
     ),
     "unknown_target": (
         "study: a\nlearning:\n  target: wear_mean\n",
-        'config.yaml: learning.target: "wear_mean": is unknown (allowed wear_total_mean, wear_total_footprint, wear_total_p99, wear_total_max, wear_sliding_mean, wear_sliding_footprint, wear_sliding_p99, wear_sliding_max, wear_friction_mean, wear_friction_footprint, wear_friction_p99, wear_friction_max)',
+        'config.yaml: learning.target: "wear_mean": is unknown (allowed wear_total_mean, wear_total_worn, wear_total_footprint, wear_total_p99, wear_total_max, wear_sliding_mean, wear_sliding_worn, wear_sliding_footprint, wear_sliding_p99, wear_sliding_max, wear_friction_mean, wear_friction_worn, wear_friction_footprint, wear_friction_p99, wear_friction_max)',
+    ),
+    "arc_without_an_arc": (
+        "study: a\nsimulation:\n  factory: {arc_radius_mm: 50}\n",
+        "config.yaml: simulation.factory.arc_radius_mm: 50: has no meaning for angle_acts: tilt (allowed 0, or angle_acts: arc)",
+    ),
+    "arc_that_reaches_the_plate": (
+        "study: a\nsimulation:\n  factory: {arc_radius_mm: 250, angle_acts: arc}\n",
+        "config.yaml: simulation.factory.arc_radius_mm: 250: must be less than the fall height (allowed below 250 mm)",
+    ),
+    "elements_that_do_not_fit": (
+        "study: a\nwear_rate:\n  element_size_mm: 40\n",
+        "config.yaml: wear_rate.element_size_mm: 40: does not divide 300 mm of the plate into whole facets of 10 mm (allowed 10, 20, 30, 50, 60, 100, 150, 300)",
+    ),
+    "elements_within_a_facet": (
+        "study: a\nwear_rate:\n  element_size_mm: 5\n",
+        "config.yaml: wear_rate.element_size_mm: 5: does not divide 300 mm of the plate into whole facets of 10 mm (allowed 10, 20, 30, 50, 60, 100, 150, 300)",
     ),
     "case_that_does_not_exist": (
         "study: a\nfigures:\n  series_cases: [0, 500]\n",

@@ -57,6 +57,49 @@ def test_a_mass_rate_is_delivered_to_within_one_particle(jet):
     assert jet.delivered_rate == pytest.approx(jet.requested_rate, rel=0.03)
 
 
+@pytest.mark.parametrize(
+    ("acts", "radius", "height", "width"),
+    [("tilt", 0.0, 0.25, 0.5), ("level", 0.0, 0.25, 1.0), ("arc", 0.2, 0.15, 1.0)],
+)
+def test_the_factory_angle_acts_as_chosen(acts, radius, height, width):
+    """At 60 degrees: half as wide, nothing, or lower by half of the radius of the arc."""
+    setup = replace(SHORT, angle_acts=acts, arc_radius=radius, fall_height=0.25)
+    case = replace(CASE, factory_angle=-60.0, particle_radius=0.005)
+    problem, schedule = make_problem(case, replace(setup, duration=0.2))
+    state = make_state(problem, 4096)
+    assert synchronous.advance(problem, schedule, state, round(0.03 / problem.dt)) == DONE
+    live = state.particles[: state.tally["live"][0]]
+    assert len(live) > 20
+    x, y = live["anchor_x"], live["anchor_y"]
+    assert np.abs(x).max() <= 0.5 * setup.patch_length * width
+    assert np.abs(x).max() > 0.4 * setup.patch_length * width
+    if acts == "tilt":
+        np.testing.assert_allclose(y - height, x * math.tan(math.radians(-60.0)), atol=1e-12)
+    else:
+        np.testing.assert_allclose(y, height, atol=1e-12)
+
+
+def test_a_level_factory_is_one_at_an_angle_of_zero():
+    level = replace(SHORT, angle_acts="level", duration=0.3)
+    turned = simulate(replace(CASE, factory_angle=-50.0), level)
+    straight = simulate(replace(CASE, factory_angle=0.0), replace(SHORT, duration=0.3))
+    np.testing.assert_array_equal(turned.worn, straight.worn)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"angle_acts": "swing"}, "angle_acts = 'swing' is unknown; allowed: tilt, level, arc"),
+        ({"arc_radius": 0.1}, "needs angle_acts = 'arc'"),
+        ({"angle_acts": "arc", "arc_radius": 0.25}, "must be less than fall_height"),
+        ({"angle_acts": "arc", "arc_radius": -0.1}, "arc_radius = -0.1"),
+    ],
+)
+def test_a_factory_that_cannot_be_is_refused(change, words):
+    with pytest.raises(ValueError, match=words):
+        replace(SHORT, **change)
+
+
 def test_a_number_rate_is_delivered_to_within_one_particle():
     for radius in (0.01, 0.03):
         case = replace(CASE, particle_radius=radius)

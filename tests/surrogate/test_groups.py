@@ -1,12 +1,26 @@
 """Dimensionless groups and the power law compared with known laws."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from tables import drawn
 
+from abradem import Setup
 from abradem.learning.physical.power_law import SHARES, PowerLaw
-from abradem.quantities import SAMPLED_NAMES
-from abradem.surrogate.groups import GROUP_NAMES, Jet, group_matrix, jet_of, mass_rate, wear_scale
+from abradem.quantities import SAMPLED, SAMPLED_NAMES
+from abradem.surrogate.groups import (
+    GROUP_NAMES,
+    Jet,
+    fall_height,
+    group_columns,
+    group_matrix,
+    jet_of,
+    jet_width,
+    mass_rate,
+    squared_impact_speed,
+    wear_scale,
+)
 
 JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
 
@@ -146,3 +160,36 @@ def test_constant_groups_and_few_rows_do_not_end_the_fit():
     law = PowerLaw().fit(x, target, np.zeros(len(target)))
     assert np.isfinite(law.predict(x)).all()
     assert np.isnan(law.exponents().query("term == 'log_size'")["standard_error"]).all()
+
+
+def test_the_fall_height_of_a_factory_on_an_arc_is_that_of_the_case():
+    values = {row.name: np.full(4, np.mean(row.paper_range)) for row in SAMPLED}
+    values["factory_angle"] = np.array([0.0, -60.0, -90.0, 90.0])
+    arc = JET._replace(fall_height=0.385, angle_acts="arc", arc_radius=0.235)
+    heights = np.array([0.385, 0.15 + 0.235 * 0.5, 0.15, 0.15])
+    np.testing.assert_allclose(fall_height(values, arc), heights)
+    np.testing.assert_allclose(
+        squared_impact_speed(values, arc),
+        values["particle_velocity_y"] ** 2 + 2.0 * 9.81 * heights,
+    )
+    found = dict(zip(GROUP_NAMES, group_columns(values, arc), strict=True))
+    np.testing.assert_allclose(found["log_size"], np.log(values["particle_radius"] / heights))
+    np.testing.assert_array_equal(found["jet_width"], np.ones(4))
+    # Each case has the groups of a study whose only fall height is that of the case.
+    for place, height in enumerate(heights):
+        one = {name: column[place : place + 1] for name, column in values.items()}
+        level = JET._replace(fall_height=height, angle_acts="level")
+        for mine, other in zip(group_columns(one, arc), group_columns(one, level), strict=True):
+            np.testing.assert_allclose(mine, other, rtol=1e-14)
+        np.testing.assert_allclose(wear_scale(one, arc), wear_scale(one, level), rtol=1e-14)
+
+
+@pytest.mark.parametrize("acts", ["tilt", "level", "arc"])
+def test_the_groups_know_the_factory_as_the_engine_does(acts):
+    setup = Setup(fall_height=0.3, angle_acts=acts, arc_radius=0.2 if acts == "arc" else 0.0)
+    jet = jet_of({field.name: getattr(setup, field.name) for field in fields(setup)})
+    for angle in (-90.0, -37.0, 0.0, 20.0):
+        height, tilt = setup.patch_place(angle)
+        values = {"factory_angle": np.array([angle])}
+        np.testing.assert_allclose(fall_height(values, jet), height, rtol=1e-15)
+        np.testing.assert_allclose(jet_width(values, jet), np.cos(np.radians(tilt)), atol=1e-15)

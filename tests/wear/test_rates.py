@@ -7,7 +7,7 @@ import pytest
 from abradem.dem.model import Setup
 from abradem.figures.maps import depth_rate_maps
 from abradem.figures.series import depth_series
-from abradem.quantities import SAMPLED, WEAR_COLUMNS, WEAR_MEASURES
+from abradem.quantities import SAMPLED, STATISTICS, WEAR_COLUMNS, WEAR_MEASURES
 from abradem.report.summary import quality_counts
 from abradem.wear import rates as wr
 
@@ -111,18 +111,53 @@ def test_the_footprint_is_the_fewest_facets_that_hold_the_share():
 
 def test_uniform_wear_has_one_depth_rate_in_every_statistic():
     wear = np.full((20, 5), 6.0)
-    rates = wr.facet_rates(wear, facet_area=1e-4, window=3.0)
-    assert rates == pytest.approx(dict.fromkeys(("footprint", "p99", "max"), 6.0 / 3e-4))
+    rates = wr.element_rates(wear, element_area=1e-4, window=3.0)
+    assert rates == pytest.approx(dict.fromkeys(STATISTICS[1:], 6.0 / 3e-4))
     assert wr.footprint(wear).sum() == 95
 
 
 def test_facet_statistics_of_a_known_map():
     wear = np.arange(1.0, 102.0).reshape(1, 101)  # percentiles of 1..101 are exact
-    rates = wr.facet_rates(wear, facet_area=0.5, window=2.0)
+    rates = wr.element_rates(wear, element_area=0.5, window=2.0)
     assert rates["max"] == 101.0
     assert rates["p99"] == pytest.approx(100.0)
     # 23..101 hold 4898 of 5151 J = 95.09 %, 24..101 only 94.6 %.
     assert rates["footprint"] == pytest.approx(np.mean(np.arange(23, 102)))
+    assert rates["worn"] == pytest.approx(np.mean(np.arange(1, 102)))
+    assert wr.element_rates(np.where(wear > 50.0, wear, 0.0), 0.5, 2.0)["worn"] == pytest.approx(
+        np.mean(np.arange(51, 102))
+    )
+    nothing = wr.element_rates(np.zeros((2, 2)), 1.0, 1.0)
+    assert nothing == dict.fromkeys(STATISTICS[1:], 0.0)
+
+
+def test_elements_are_squares_of_whole_facets():
+    setup = Setup(plate_length=0.3, plate_width=0.2, facet_size=0.01)
+    assert wr.element_counts(setup, None) == (30, 20)
+    assert wr.element_counts(setup, 0.05) == (6, 4)
+    assert wr.element_counts(setup, 0.1) == (3, 2)
+    for size in (0.03, 0.04, 0.004, 0.015, 0.2, 1.0):
+        with pytest.raises(ValueError, match="into elements of whole facets"):
+            wr.element_counts(setup, size)
+    # A slow twin: each element sums its own facets.
+    wear = np.random.default_rng(0).random((30, 20))
+    found = wr.element_wear(wear, (6, 4))
+    for i in range(6):
+        for k in range(4):
+            of_element = wear[5 * i : 5 * i + 5, 5 * k : 5 * k + 5]
+            assert found[i, k] == pytest.approx(of_element.sum())
+
+
+def test_coarser_elements_have_a_smaller_worst_one_and_the_same_mean():
+    wear = np.random.default_rng(1).random((12, 12)) ** 8
+    worst = []
+    for count in (12, 6, 4, 3, 2, 1):
+        of_elements = wr.element_wear(wear, (count, count))
+        rates = wr.element_rates(of_elements, 1.0 / count**2, 1.0)
+        worst.append(rates["max"])
+        assert of_elements.sum() == pytest.approx(wear.sum())
+    assert worst == sorted(worst, reverse=True)
+    assert worst[-1] == pytest.approx(wear.sum())
 
 
 def test_depth_rates_of_a_straight_study_are_w_times_power_per_area():

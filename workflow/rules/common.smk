@@ -8,6 +8,7 @@ from abradem.config import (
     ConfigError,
     load_config,
     sampled_ranges,
+    rate_options,
     setup_dict,
     to_yaml,
     typical_case,

@@ -4,6 +4,8 @@ JET = {
     name: SETUP[name]
     for name in (
         "fall_height",
+        "angle_acts",
+        "arc_radius",
         "gravity",
         "mass_rate",
         "number_rate",

@@ -30,7 +30,7 @@ rule wear_rates:
         "../envs/abradem.yaml"
     params:
         setup=SETUP,
-        options=CONFIG.wear_rate.model_dump(include={"min_batches", "footprint_share"}),
+        options=rate_options(CONFIG),
         code=code_of("wear/wear_rates"),
     script:
         "../scripts/wear/wear_rates.py"

@@ -135,7 +135,7 @@ def _check_config(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> int:
-    from abradem.config import read_config, setup_dict
+    from abradem.config import rate_options, read_config, setup_dict
     from abradem.simulation.batch import run_case
 
     if options.interval is not None and options.snapshots is None:
@@ -160,7 +160,7 @@ def _simulate(options: argparse.Namespace) -> int:
     print(f"case {options.case}: {run['status']}, {run['simulated_time']:g} s simulated")
     if run["status"] != "ok":
         return NOT_OK
-    print(_wear_line(tables, row, setup, config.wear_rate))
+    print(_wear_line(tables, row, setup, rate_options(config)))
     return 0
 
 
@@ -210,7 +210,7 @@ def _existing(folder: Path) -> Path:
     return folder
 
 
-def _wear_line(tables: dict, row: dict, setup: dict, options) -> str:
+def _wear_line(tables: dict, row: dict, setup: dict, options: dict) -> str:
     """Two lines with the wear rate of a simulated case: plate mean, and other statistics."""
     import pandas as pd
 
@@ -225,8 +225,7 @@ def _wear_line(tables: dict, row: dict, setup: dict, options) -> str:
         tables["runs"],
         pd.DataFrame([row]),
         Setup.from_dict(setup),
-        options.min_batches,
-        options.footprint_share,
+        **options,
     ).iloc[0]
     mean, error = rates["wear_total_mean"], rates["wear_total_mean_stderr"]
     places = ", ".join(

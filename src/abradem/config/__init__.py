@@ -19,7 +19,13 @@ if TYPE_CHECKING:
     from abradem.config.keys import COMMAND_LINE
     from abradem.config.reading import ConfigError, load_config, read_config, refuse_all_but_data
     from abradem.config.reference import documentation, schema
-    from abradem.config.values import sampled_ranges, setup_dict, to_yaml, typical_case
+    from abradem.config.values import (
+        rate_options,
+        sampled_ranges,
+        setup_dict,
+        to_yaml,
+        typical_case,
+    )
 
 _LAZY = {
     "COMMAND_LINE": "keys",
@@ -29,6 +35,7 @@ _LAZY = {
     "load_config": "reading",
     "read_config": "reading",
     "refuse_all_but_data": "reading",
+    "rate_options": "values",
     "sampled_ranges": "values",
     "schema": "reference",
     "setup_dict": "values",
@@ -42,6 +49,7 @@ __all__ = [
     "ConfigError",
     "documentation",
     "load_config",
+    "rate_options",
     "read_config",
     "refuse_all_but_data",
     "sampled_ranges",

@@ -47,6 +47,19 @@ def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             f"a particle must not be wider than the plate (allowed up to {shorter / 2.0:g} mm)",
         )
 
+    factory = simulation.factory
+    if factory.arc_radius_mm > 0.0 and factory.angle_acts != "arc":
+        yield (
+            ("simulation", "factory", "arc_radius_mm"),
+            f"has no meaning for angle_acts: {factory.angle_acts} (allowed 0, or angle_acts: arc)",
+        )
+    if factory.arc_radius_mm >= factory.fall_height_mm:
+        yield (
+            ("simulation", "factory", "arc_radius_mm"),
+            f"must be less than the fall height (allowed below {factory.fall_height_mm:g} mm)",
+        )
+    yield from _element_conflicts(config)
+
     yield from _learning_conflicts(config)
 
     stop = simulation.stop
@@ -154,6 +167,25 @@ def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             ("simulation", "stop", "sample_interval_s"),
             f"gives more than {MOST_SAMPLES} samples in max_time_s (allowed from {least:g} s)",
         )
+
+
+def _element_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    """Yield the conflict of the element size with the plate or its facets."""
+    size, plate = config.wear_rate.element_size_mm, config.simulation.plate
+    if size is None:
+        return
+    tiny = 1e-9
+    for side in (plate.length_mm, plate.width_mm):
+        facets = math.ceil(side / plate.facet_size_mm - tiny)
+        elements = max(1, round(side / size))
+        if abs(side / elements - size) > tiny * side or facets % elements:
+            allowed = [f"{side / count:g}" for count in range(facets, 0, -1) if facets % count == 0]
+            yield (
+                ("wear_rate", "element_size_mm"),
+                f"does not divide {side:g} mm of the plate into whole facets of "
+                f"{side / facets:g} mm (allowed {', '.join(allowed[:12])})",
+            )
+            return
 
 
 def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:

@@ -164,8 +164,8 @@ class PlateKeys(Section):
     width_mm: float = _key(300.0, "Extent across the slope.", unit="mm", gt=0.0, le=100_000.0)
     facet_size_mm: float = _key(
         10.0,
-        "Largest edge of a wear facet; the plate is divided into equal facets. The maximum and "
-        "the 99th percentile over the facets depend on it.",
+        "Largest edge of a wear facet; the plate is divided into equal facets. Unless "
+        "wear_rate.element_size_mm is given, the maximum and the 99th percentile depend on it.",
         unit="mm",
         gt=0.0,
         le=100_000.0,
@@ -191,10 +191,19 @@ class Factory(Section):
     )
     fall_height_mm: float = _key(
         250.0,
-        "Height of the centre of the patch above the centre of the plate.",
+        "Height of the centre of the patch above the centre of the plate at a factory angle of 0.",
         unit="mm",
         gt=0.0,
         le=100_000.0,
+    )
+    angle_acts: Literal["tilt", "level", "arc"] = _key(
+        "tilt",
+        "How the factory angle acts. tilt: the patch is tilted about its centre, so the jet "
+        "narrows. level: the patch stays level, and the angle does nothing. arc: the level patch "
+        "is lower by arc_radius times 1 - cos(factory angle).",
+    )
+    arc_radius_mm: float = _key(
+        0.0, "Radius of the arc for angle_acts: arc, otherwise 0.", unit="mm", ge=0.0, le=100_000.0
     )
     feed: Literal["mass", "number"] = _key(
         "mass", "Which rate is prescribed: mass per time or particles per time."
@@ -351,9 +360,17 @@ class WearRate(Section):
     )
     footprint_share: float = _key(
         0.95,
-        "The footprint is the smallest set of facets with this share of the wear.",
+        "The footprint is the smallest set of elements with this share of the wear.",
         gt=0.0,
         le=1.0,
+    )
+    element_size_mm: float | None = _key(
+        None,
+        "Edge of the elements of the statistics worn, footprint, p99 and max: a whole number of "
+        "facets, and a whole part of the plate. null: the facets.",
+        unit="mm",
+        gt=0.0,
+        le=100_000.0,
     )
     good_r2: float = _key(
         0.95,

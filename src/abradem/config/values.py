@@ -36,6 +36,16 @@ def typical_case(config: Config) -> dict[str, float]:
     return {**middle, **given, "seed": config.seed}
 
 
+def rate_options(config: Config) -> dict:
+    """Return the options of `abradem.wear.rates.wear_rates`, SI units."""
+    size = config.wear_rate.element_size_mm
+    return {
+        "min_batches": config.wear_rate.min_batches,
+        "footprint_share": config.wear_rate.footprint_share,
+        "element_size": None if size is None else size / 1000.0,
+    }
+
+
 def setup_dict(config: Config) -> dict:
     """Return the arguments of `abradem.Setup` as plain JSON values, SI units.
 
@@ -51,6 +61,8 @@ def setup_dict(config: Config) -> dict:
         "patch_length": factory.patch_length_mm / 1000.0,
         "patch_width": factory.patch_width_mm / 1000.0,
         "fall_height": factory.fall_height_mm / 1000.0,
+        "angle_acts": factory.angle_acts,
+        "arc_radius": factory.arc_radius_mm / 1000.0,
         "mass_rate": factory.mass_rate_kg_s,
         "number_rate": factory.number_rate_per_s,
         "removal_depth": simulation.removal_depth_mm / 1000.0,

@@ -6,6 +6,7 @@ about +z (positive lifts the +x side), in degrees.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
@@ -17,6 +18,7 @@ NORMAL_LAWS = ("exact_e", "nominal_clipped", "nominal_attractive")
 TANGENTIAL_LAWS = ("incremental", "displacement")
 TANGENTIAL_DAMPINGS = ("capped", "none", "uncapped")
 STEPPINGS = ("islands", "synchronous")
+ANGLE_ACTS = ("tilt", "level", "arc")
 
 
 @dataclass(frozen=True)
@@ -172,7 +174,12 @@ class Setup:
     patch_length, patch_width : float
         Extent of the factory patch (of particle centres) along its slope and along z, m.
     fall_height : float
-        Height of the centre of the patch above the centre of the plate, m.
+        Height of the centre of the patch above the centre of the plate, m, at a factory angle of
+        0; `patch_place` gives that of a case.
+    angle_acts : {"tilt", "level", "arc"}
+        How the factory angle acts, see `patch_place`.
+    arc_radius : float
+        Radius r of the arc of ``arc``, m.
     mass_rate, number_rate : float or None
         Feed in kg/s or in particles per second; exactly one of them.
     removal_depth : float
@@ -208,6 +215,8 @@ class Setup:
     patch_length: float = 0.1
     patch_width: float = 0.1
     fall_height: float = 0.25
+    angle_acts: str = "tilt"
+    arc_radius: float = 0.0
     mass_rate: float | None = 4.0
     number_rate: float | None = None
     removal_depth: float = 0.1
@@ -225,6 +234,15 @@ class Setup:
 
     def __post_init__(self):
         _check_choice("stepping", self.stepping, STEPPINGS)
+        _check_choice("angle_acts", self.angle_acts, ANGLE_ACTS)
+        _check_number("arc_radius", self.arc_radius, least=0.0)
+        if self.arc_radius > 0.0 and self.angle_acts != "arc":
+            raise ValueError(f"arc_radius = {self.arc_radius!r} needs angle_acts = 'arc'")
+        if self.arc_radius >= self.fall_height > 0.0:
+            raise ValueError(
+                f"arc_radius = {self.arc_radius!r} must be less than fall_height = "
+                f"{self.fall_height!r}"
+            )
         if (self.mass_rate is None) == (self.number_rate is None):
             raise ValueError("give exactly one of mass_rate and number_rate")
         _check_number("gravity", self.gravity, least=0.0)
@@ -250,6 +268,31 @@ class Setup:
             if isinstance(values.get(name), Mapping):
                 values[name] = kind(**values[name])
         return cls(**values)
+
+    def patch_place(self, factory_angle: float) -> tuple[float, float]:
+        """Return height and tilt of the factory patch at a factory angle theta.
+
+        ``tilt``: the patch is tilted by theta about its centre, so the jet narrows to the share
+        cos theta of the length of the patch. ``level``: the patch stays level, and theta does
+        nothing. ``arc``: the level patch moves on an arc of radius r about a point below it, so
+        that it is lower by r (1 - cos theta); it stays above the centre of the plate.
+
+        Parameters
+        ----------
+        factory_angle : float
+            deg.
+
+        Returns
+        -------
+        height : float
+            Height of the centre of the patch above the centre of the plate, m.
+        tilt : float
+            deg.
+        """
+        if self.angle_acts == "tilt":
+            return self.fall_height, factory_angle
+        sagitta = self.arc_radius * (1.0 - math.cos(math.radians(factory_angle)))
+        return self.fall_height - sagitta, 0.0
 
     @property
     def facets(self) -> tuple[int, int]:

@@ -184,7 +184,7 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
     pair = setup.pair_interaction or case.interaction
     angle = math.radians(case.plate_angle)
     lowest = -0.5 * setup.plate_length * abs(math.sin(angle))
-    tilt = math.radians(case.factory_angle)
+    patch_height, tilt = setup.patch_place(case.factory_angle)
     rate = setup.number_rate if setup.number_rate is not None else setup.mass_rate / mass
     problem = Problem(
         dt=dt,
@@ -206,11 +206,11 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
         rate=rate,
         retry_steps=max(1, round(RETRY / dt)),
         seed=case.seed,
-        patch_cos=math.cos(tilt),
-        patch_sin=math.sin(tilt),
+        patch_cos=math.cos(math.radians(tilt)),
+        patch_sin=math.sin(math.radians(tilt)),
         patch_half_length=0.5 * setup.patch_length,
         patch_half_width=0.5 * setup.patch_width,
-        patch_height=setup.fall_height,
+        patch_height=patch_height,
         release_speed=case.particle_velocity_y,
     )
     return problem, _schedule(releases, dt)

@@ -146,7 +146,12 @@ def _calibration(panel: Axes, calibration: pd.DataFrame) -> None:
     )  # fmt: skip
     panel.plot([0.0, 100.0], [0.0, 100.0], color=style.BLACK, ls="--", lw=0.7, zorder=1)
     widths = rows.set_index("level")["width"]
-    words = [f"{100.0 * level:g} %: +{100.0 * widths[level]:.1f} %" for level in (0.5, 0.8, 0.95)]
+    words = [
+        f"{100.0 * level:g} %: +{100.0 * widths[level]:.1f} %"
+        if level in widths
+        else f"{100.0 * level:g} %: too few rows"
+        for level in (0.5, 0.8, 0.95)
+    ]
     panel.text(
         102.0, 3.0, "\n".join(["median upper end", "above prediction", *words]), fontsize=6.5,
         ha="right", va="bottom", color=style.BLUE,

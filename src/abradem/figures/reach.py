@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from abradem.figures import style
+from abradem.quantities import STATISTICS, WEAR_MEASURES
 from abradem.words.labels import MODELS
 
 
@@ -86,9 +87,9 @@ def _beyond(panel: Axes, extrapolation: pd.DataFrame) -> None:
 def _targets(panel: Axes, targets: pd.DataFrame) -> None:
     panel.set_title(f"{style.letter(1)} all wear rates", loc="left")
     rows = targets[targets["model"] == "gaussian_process"].set_index("target")
-    measures = [r for r in ("total", "sliding", "friction") if f"wear_{r}_mean" in rows.index]
+    measures = [r for r in WEAR_MEASURES if f"wear_{r}_mean" in rows.index]
     statistics = [
-        s for s in ("mean", "footprint", "p99", "max")
+        s for s in STATISTICS
         if any(f"wear_{r}_{s}" in rows.index for r in measures)
     ]  # fmt: skip
     values = np.full((len(measures), len(statistics)), np.nan)
@@ -104,7 +105,8 @@ def _targets(panel: Axes, targets: pd.DataFrame) -> None:
                 ha="center", va="center", fontsize=7.0, color="white" if dark else "black",
             )  # fmt: skip
     panel.imshow(values, cmap="viridis_r", vmin=0.0, vmax=1.0, aspect="auto")
-    words = {"mean": "plate", "footprint": "footprint", "p99": "99th perc.", "max": "worst facet"}
+    words = {"mean": "plate", "worn": "worn", "footprint": "footprint", "p99": "99th perc.",
+             "max": "worst"}  # fmt: skip
     panel.set_xticks(range(len(statistics)), [words[s] for s in statistics])
     panel.set_yticks(range(len(measures)), measures)
     panel.tick_params(length=0)

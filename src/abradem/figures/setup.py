@@ -124,7 +124,8 @@ def worn_plate(
 
 def factory_patch(case: Mapping[str, float], setup: Setup) -> Patch:
     """The factory patch, from which the particles are released."""
-    return Patch(setup.patch_length, setup.patch_width, setup.fall_height, case["factory_angle"])
+    height, tilt = setup.patch_place(case["factory_angle"])
+    return Patch(setup.patch_length, setup.patch_width, height, tilt)
 
 
 def particle_tints(identities) -> np.ndarray:
@@ -192,21 +193,22 @@ def _annotate(scene, camera, plate, patch, case, setup) -> None:
 
     # The fall height is drawn beside the jet, in the plane through the centre of the plate.
     foot = np.array([0.62 * plate.length * plate.along[0], 0.0, 0.0])
-    head = foot + np.array([0.0, setup.fall_height, 0.0])
-    for height, end in ((0.0, foot), (setup.fall_height, head)):
+    fall_height, _ = setup.patch_place(case["factory_angle"])
+    head = foot + np.array([0.0, fall_height, 0.0])
+    for height, end in ((0.0, foot), (fall_height, head)):
         _line(scene, camera, [(0.0, height, 0.0), end], ls=":", color=style.GREY)
     _arrow(scene, camera, foot, head, "<->")
     _word(
         scene, camera, 0.24 * foot + 0.76 * head,
-        f"$H$ = {_number(1e3 * setup.fall_height)} mm", ha="left", shift=(4, 0),
+        f"$H$ = {_number(1e3 * fall_height)} mm", ha="left", shift=(4, 0),
     )  # fmt: skip
 
-    start = np.array([-0.75 * patch.length, 0.80 * setup.fall_height, 0.0])
+    start = np.array([-0.75 * patch.length, 0.80 * fall_height, 0.0])
     speed = case["particle_velocity_y"]
-    _arrow(scene, camera, start + np.array([0.0, 0.22 * setup.fall_height, 0.0]), start, "->",
+    _arrow(scene, camera, start + np.array([0.0, 0.22 * fall_height, 0.0]), start, "->",
            color=style.RED)  # fmt: skip
     _word(
-        scene, camera, start + np.array([0.0, 0.08 * setup.fall_height, 0.0]),
+        scene, camera, start + np.array([0.0, 0.08 * fall_height, 0.0]),
         f"{_symbol('particle_velocity_y')} = {_number(speed)} m/s", ha="right", shift=(-4, 0),
         color=style.RED,
     )  # fmt: skip

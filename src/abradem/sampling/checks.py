@@ -59,7 +59,8 @@ def _check_geometry(values: Mapping[str, float], setup: Setup) -> str:
     if 2.0 * radius > narrow:
         return f"particle of radius {radius:g} m is wider than the plate ({narrow:g} m)"
     plate = _segment(0.0, setup.plate_length, values["plate_angle"])
-    patch = _segment(setup.fall_height, setup.patch_length, values["factory_angle"])
+    height, tilt = setup.patch_place(values["factory_angle"])
+    patch = _segment(height, setup.patch_length, tilt)
     clearance = _segment_distance(*plate, *patch)
     if clearance <= radius:
         return (
@@ -72,7 +73,8 @@ def _check_geometry(values: Mapping[str, float], setup: Setup) -> str:
 def _check_impact(values: Mapping[str, float], setup: Setup) -> str:
     """Check overlap and duration of a normal elastic impact (Hertz 1882) at the end of the fall."""
     radius = values["particle_radius"]
-    speed = math.sqrt(values["particle_velocity_y"] ** 2 + 2.0 * setup.gravity * setup.fall_height)
+    height, _ = setup.patch_place(values["factory_angle"])
+    speed = math.sqrt(values["particle_velocity_y"] ** 2 + 2.0 * setup.gravity * height)
     if speed == 0.0:
         return "the particle neither starts with a velocity nor falls"
     mass = sphere_mass(radius, values["particle_density"])

@@ -63,6 +63,7 @@ def case_seconds(cases: pd.DataFrame, setup: Mapping) -> np.ndarray:
     rate = setup["number_rate"] or setup["mass_rate"] / mass
     window = np.maximum(setup["window"], FEWEST_PARTICLES / setup["target_stderr"] ** 2 / rate)
     time = np.minimum(TRANSIENT_TIME + window, setup["max_time"])
+    # The height at a factory angle of 0 is enough for an estimate.
     fall = 2.0 * setup["gravity"] * setup["fall_height"]
     speed = np.sqrt(cases["particle_velocity_y"].to_numpy() ** 2 + fall)
     rest = np.exp(-np.abs(cases["plate_angle"].to_numpy()) / BED_ANGLE - speed / BED_SPEED)

@@ -18,7 +18,10 @@ simulated wear and need not be learned. The wear number depends on dimensionless
     ln G*/E*                                     tangential against normal stiffness
     ln mu_s, ln mu_r, ln (1 + e)                 friction, rolling friction, restitution
     phi                                          plate angle, rad
-    cos theta                                    width of the jet of a tilted factory patch
+    cos theta                                    width of the jet of a tilted factory patch; 1 if
+                                                 the patch stays level
+
+H is the fall height of the case: where the factory moves on an arc, it depends on theta.
 
 The functions use only arithmetic and numpy functions, so that `abradem.surrogate.onnx` can trace
 them and no formula is written twice. The module needs no other package than numpy, so that the
@@ -39,6 +42,8 @@ from abradem.elastic import (
     youngs_modulus,
 )
 from abradem.units import MM_PER_M
+
+_DEGREE = np.pi / 180.0
 
 LEAST_FRICTION = 1e-3
 """Smallest coefficient of friction; smaller ones are raised to it before the logarithm."""
@@ -65,13 +70,17 @@ class Jet(NamedTuple):
     Attributes
     ----------
     fall_height : float
-        m.
+        At a factory angle of 0, m.
     gravity : float
         m/s2.
     mass_rate, number_rate : float or None
         Feed in kg/s or in particles per second; the other one is None.
     plate_area, patch_area : float
         m2.
+    angle_acts : {"tilt", "level", "arc"}
+        How the factory angle acts, see `abradem.Setup.patch_place`.
+    arc_radius : float
+        m.
     """
 
     fall_height: float
@@ -80,6 +89,8 @@ class Jet(NamedTuple):
     number_rate: float | None
     plate_area: float
     patch_area: float
+    angle_acts: str = "tilt"
+    arc_radius: float = 0.0
 
 
 def jet_of(setup: Mapping) -> Jet:
@@ -91,13 +102,28 @@ def jet_of(setup: Mapping) -> Jet:
         number_rate=setup["number_rate"],
         plate_area=setup["plate_length"] * setup["plate_width"],
         patch_area=setup["patch_length"] * setup["patch_width"],
+        angle_acts=setup["angle_acts"],
+        arc_radius=setup["arc_radius"],
     )
+
+
+def fall_height(values: Mapping, jet: Jet):
+    """Height of the centre of the patch above the centre of the plate, m."""
+    if jet.arc_radius == 0.0:
+        return jet.fall_height
+    return jet.fall_height - jet.arc_radius * (1.0 - np.cos(_DEGREE * values["factory_angle"]))
+
+
+def jet_width(values: Mapping, jet: Jet):
+    """Width of the jet as a share of the length of the patch."""
+    angle = values["factory_angle"]
+    return np.cos(_DEGREE * angle) if jet.angle_acts == "tilt" else 1.0 + 0.0 * angle
 
 
 def squared_impact_speed(values: Mapping, jet: Jet):
     """Square of the impact speed, v^2 = v_y^2 + 2 g H, m2/s2."""
     velocity = values["particle_velocity_y"]
-    return velocity * velocity + 2.0 * jet.gravity * jet.fall_height
+    return velocity * velocity + 2.0 * jet.gravity * fall_height(values, jet)
 
 
 def mass_rate(values: Mapping, jet: Jet):
@@ -146,21 +172,21 @@ def group_columns(values: Mapping, jet: Jet) -> list:
     shear_star = effective_shear_modulus(shear_p, nu_p, shear_e, nu_e)
     squared = squared_impact_speed(values, jet)
     density = values["particle_density"]
+    height = fall_height(values, jet)
     # Without gravity the speed is compared with 1 m/s instead.
-    fall = jet.gravity * jet.fall_height or 1.0
+    fall = jet.gravity * height if jet.gravity else 1.0
     in_jet = mass_rate(values, jet) / (jet.patch_area * density * np.sqrt(squared))
-    degree = np.pi / 180.0
     return [
         np.log(squared / fall),
-        np.log(values["particle_radius"] / jet.fall_height),
+        np.log(values["particle_radius"] / height),
         np.log(in_jet),
         np.log(density * squared / young_star),
         np.log(shear_star / young_star),
         np.log(np.maximum(values["static_friction"], LEAST_FRICTION)),
         np.log(np.maximum(values["rolling_friction"], LEAST_FRICTION)),
         np.log(1.0 + values["restitution"]),
-        degree * values["plate_angle"],
-        np.cos(degree * values["factory_angle"]),
+        _DEGREE * values["plate_angle"],
+        jet_width(values, jet),
     ]
 
 

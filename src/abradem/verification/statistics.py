@@ -12,9 +12,10 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from abradem.quantities import STATISTICS
 from abradem.verification.checks import Check, checks_table
 from abradem.verification.jets import JET, jet_case, rate_of, run_jet, spread
-from abradem.wear.rates import facet_rates
+from abradem.wear.rates import element_rates
 
 PART = 5
 REPLICATES = 240
@@ -78,7 +79,7 @@ def _facets(result, setup) -> dict:
     wear = result.facet_wear[0]
     seconds = result.window[1] - result.window[0]
     mean = float(wear.sum()) / (setup.plate_area * seconds)
-    return {"mean": mean, **facet_rates(wear, setup.plate_area / wear.size, seconds)}
+    return {"mean": mean, **element_rates(wear, setup.plate_area / wear.size, seconds)}
 
 
 def _size(errors, values) -> float:
@@ -160,6 +161,6 @@ def study() -> dict[str, pd.DataFrame]:
     return {
         "checks": checks_table(PART, found + extreme_checks(stopped, table)),
         "replicates": intervals,
-        "stopped": stopped.drop(columns=["mean", "footprint", "p99", "max"]),
+        "stopped": stopped.drop(columns=list(STATISTICS)),
         "extremes": table,
     }

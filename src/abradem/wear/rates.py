@@ -5,16 +5,21 @@ measures on the whole plate, and J per facet in one window. By Archard's law (Ar
 Phys. 24:981) the worn volume is W J. Divided by the area it is the depth::
 
     plate mean    W / A_plate dJ/dt, slope over equal batches of increments of the steady part
-    footprint     W / A J summed over the smallest set of facets with 95 % of it, A their area,
-                  divided by the length of the window
-    p99, max      the 99th percentile and the maximum of W J_facet / A_facet, divided by the
+    worn          W / A J summed over the elements with any of it, A their area, divided by the
                   length of the window
+    footprint     the same over the smallest set of elements with 95 % of it
+    p99, max      the 99th percentile and the maximum of W J_element / A_element, divided by the
+                  length of the window
+
+An element is a facet, or a square of whole facets: a coarser mesh gives smaller extremes, and one
+simulation gives those of all multiples of its facets.
 
 All results are proportional to W, so one simulation is valid for every W.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +27,7 @@ import pandas as pd
 
 from abradem.dem.model import Setup
 from abradem.dem.steady import BatchMeans, batch_means
-from abradem.quantities import WEAR_COLUMNS, WEAR_MEASURES, wear_column
+from abradem.quantities import STATISTICS, WEAR_COLUMNS, WEAR_MEASURES, wear_column
 from abradem.units import MM_PER_M
 
 SHORTFALL_SHARE = 0.95
@@ -104,16 +109,52 @@ def footprint(wear: np.ndarray, share: float = 0.95) -> np.ndarray:
     return chosen.reshape(np.shape(wear))
 
 
-def facet_rates(
-    wear: np.ndarray, facet_area: float, window: float, footprint_share: float = 0.95
+def element_counts(setup: Setup, element_size: float | None) -> tuple[int, int]:
+    """Return the number of elements along the length and the width of the plate.
+
+    Parameters
+    ----------
+    setup : Setup
+    element_size : float or None
+        Edge of an element, m; None for the facets themselves.
+
+    Raises
+    ------
+    ValueError
+        If the plate does not consist of such elements, or they not of whole facets.
+    """
+    if element_size is None:
+        return setup.facets
+    sides = (setup.plate_length, setup.plate_width)
+    counts = (
+        max(1, round(setup.plate_length / element_size)),
+        max(1, round(setup.plate_width / element_size)),
+    )
+    for side, count, facets in zip(sides, counts, setup.facets, strict=True):
+        if abs(side / count - element_size) > 1e-9 * side or facets % count:
+            raise ValueError(
+                f"element_size = {element_size!r} m does not divide the plate of {side:g} m into "
+                f"elements of whole facets ({facets} facets of {side / facets:g} m)"
+            )
+    return counts
+
+
+def element_wear(wear: np.ndarray, counts: tuple[int, int]) -> np.ndarray:
+    """Return the work of elements, shape ``counts``, from that of facets, shape (nx, nz), J."""
+    nx, nz = counts
+    return wear.reshape(nx, wear.shape[0] // nx, nz, wear.shape[1] // nz).sum(axis=(1, 3))
+
+
+def element_rates(
+    wear: np.ndarray, element_area: float, window: float, footprint_share: float = 0.95
 ) -> dict[str, float]:
-    """Return statistics over the facets of J per area and time, J/(m2 s), except for the mean.
+    """Return statistics over the elements of J per area and time, J/(m2 s), except for the mean.
 
     Parameters
     ----------
     wear : ndarray, shape (nx, nz)
-        Work J of each facet in the window, J.
-    facet_area : float
+        Work J of each element in the window, J.
+    element_area : float
         m2.
     window : float
         Length of the window, s.
@@ -123,12 +164,14 @@ def facet_rates(
     Returns
     -------
     dict of str to float
-        ``footprint``, ``p99`` and ``max``.
+        ``worn``, ``footprint``, ``p99`` and ``max``.
     """
-    density = wear / (facet_area * window)
-    worn = footprint(wear, footprint_share)
+    density = wear / (element_area * window)
+    worn = wear > 0.0
+    most_worn = footprint(wear, footprint_share)
     return {
-        "footprint": float(density[worn].mean()) if worn.any() else 0.0,
+        "worn": float(density[worn].mean()) if worn.any() else 0.0,
+        "footprint": float(density[most_worn].mean()) if most_worn.any() else 0.0,
         "p99": float(np.percentile(density, 99.0)),
         "max": float(density.max()),
     }
@@ -156,6 +199,7 @@ def wear_rates(
     setup: Setup,
     min_batches: int = 20,
     footprint_share: float = 0.95,
+    element_size: float | None = None,
 ) -> pd.DataFrame:
     """Return the wear rates of the cases of a batch, by Archard's law (Archard 1953).
 
@@ -171,6 +215,8 @@ def wear_rates(
         Number of batches of increments for slope and standard error, at least 20.
     footprint_share : float
         Share of the wear of a wear measure in its footprint.
+    element_size : float, optional
+        Edge of the elements of the statistics, m, see `element_counts`; by default a facet.
 
     Returns
     -------
@@ -182,10 +228,12 @@ def wear_rates(
     Raises
     ------
     ValueError
-        If ``min_batches`` is below 20, or a simulated case has no row in ``cases`` or ``series``.
+        If ``min_batches`` is below 20, the element size does not fit, or a simulated case has no
+        row in ``cases`` or ``series``.
     """
     if min_batches < 20:
         raise ValueError(f"min_batches = {min_batches} must be at least 20")
+    elements = element_counts(setup, element_size)
     constants = cases.set_index("case_id")["archard_constant"]
     series_of = {key: rows for key, rows in series.groupby("case_id", sort=False)}
     maps_of = {key: rows for key, rows in maps.groupby("case_id", sort=False)}
@@ -203,6 +251,7 @@ def wear_rates(
             setup,
             min_batches,
             footprint_share,
+            elements,
         )
         rows.append({"case_id": key, **_worn(rates, float(constants[key]))})
     return pd.DataFrame(rows, columns=RATE_COLUMNS).astype(
@@ -253,6 +302,7 @@ def _case_rates(
     setup: Setup,
     batches: int,
     footprint_share: float,
+    elements: tuple[int, int],
 ) -> dict:
     """Return the row of one case for W = 1; depth rates in mm/s per 1/Pa, others accordingly."""
     time = series["time"].to_numpy(dtype=float)
@@ -261,18 +311,22 @@ def _case_rates(
         measure: steady_rate(time, series[f"worn_{measure}"].to_numpy(dtype=float), start, batches)
         for measure in WEAR_MEASURES
     }
-    nx, nz = setup.facets
     window = run["window_end"] - run["window_start"]
     arrays = depth_map(maps, setup.facets)
     row: dict[str, Any] = {}
     for measure in WEAR_MEASURES:
         row[wear_column(measure, "mean")] = MM_PER_M * steady[measure].rate / setup.plate_area
-        over_facets = (
-            facet_rates(arrays[measure], setup.plate_area / (nx * nz), window, footprint_share)
+        over_elements = (
+            element_rates(
+                element_wear(arrays[measure], elements),
+                setup.plate_area / math.prod(elements),
+                window,
+                footprint_share,
+            )
             if window > 0.0
-            else dict.fromkeys(("footprint", "p99", "max"), np.nan)
+            else dict.fromkeys(STATISTICS[1:], np.nan)
         )
-        for statistic, value in over_facets.items():
+        for statistic, value in over_elements.items():
             row[wear_column(measure, statistic)] = MM_PER_M * value
     total = steady["total"]
     row["wear_total_mean_stderr"] = MM_PER_M * total.stderr / setup.plate_area

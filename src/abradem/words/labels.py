@@ -69,9 +69,10 @@ MEASURE_WORDS = {
 
 STATISTIC_WORDS = {
     "mean": "mean over the plate",
+    "worn": "mean over the worn elements",
     "footprint": "mean over the footprint",
-    "p99": "99th percentile of facets",
-    "max": "worst facet",
+    "p99": "99th percentile of the elements",
+    "max": "worst element",
 }
 """Descriptions of the statistics over the plate of `abradem.quantities.STATISTICS`."""
 
