@@ -21,6 +21,8 @@ SLOW = (
     "dem/test_spheres_and_plate.py",
     "simulation/test_resources.py",
     "verification",
+    # A search over set-ups.
+    "calibration",
     # All models are trained first.
     "figures/test_baselines.py",
     "figures/test_physical.py",

@@ -29,7 +29,7 @@ FLOORS = {
     "cli": 9,
     "running": 8, "report": 8, "publish": 8,
     "figures": 7,
-    "verification": 6, "learning": 6,
+    "verification": 6, "learning": 6, "calibration": 6,
     "surrogate": 5,
     "dataset": 4,
     "wear": 3,
