@@ -4,6 +4,7 @@ snakemake                                               run the study of config.
 snakemake --configfile config.yaml studies/smoke.yaml   run another study (override file)
 snakemake dataset                                       run up to one stage
 snakemake verification                                  verify the engine
+snakemake calibration                                   find the set-up that explains a table
 snakemake movie | vtk | paper                           make a film, files for ParaView, a PDF
 snakemake publish                                       make a folder ready for an archive
 snakemake --list                                        list all targets and rules
@@ -45,7 +46,13 @@ configfile: "config.yaml"
 include: "workflow/rules/common.smk"
 
 
-if SIMULATED:
+if CALIBRATES:
+
+    include: "workflow/rules/calibration.smk"
+
+    WHOLE_STUDY = rules.calibration.input
+
+elif SIMULATED:
 
     include: "workflow/rules/sampling.smk"
     include: "workflow/rules/simulation.smk"
@@ -66,19 +73,30 @@ else:
     STAGES_OF_SIMULATION = []
 
 
-include: "workflow/rules/baselines.smk"
-include: "workflow/rules/physical.smk"
-include: "workflow/rules/learning.smk"
-include: "workflow/rules/running.smk"
-include: "workflow/rules/figures.smk"
-include: "workflow/rules/report.smk"
+if not CALIBRATES:
+
+    include: "workflow/rules/baselines.smk"
+    include: "workflow/rules/physical.smk"
+    include: "workflow/rules/learning.smk"
+    include: "workflow/rules/running.smk"
+    include: "workflow/rules/figures.smk"
+    include: "workflow/rules/report.smk"
+
+    if SIMULATED:
+
+        # External tables are not published.
+        include: "workflow/rules/publish.smk"
+
+    WHOLE_STUDY = [
+        STAGES_OF_SIMULATION,
+        rules.dataset.output,
+        rules.learning.input,
+        rules.figures.input,
+        rules.documents.input,
+    ]
+
+
 include: "workflow/rules/verification.smk"
-
-
-if SIMULATED:
-
-    # External tables are not published.
-    include: "workflow/rules/publish.smk"
 
 
 localrules:
@@ -91,11 +109,7 @@ rule all:
     """The whole study: data set, models, figures, tables. The default target."""
     default_target: True
     input:
-        STAGES_OF_SIMULATION,
-        rules.dataset.output,
-        rules.learning.input,
-        rules.figures.input,
-        rules.documents.input,
+        WHOLE_STUDY,
 
 
 onstart:

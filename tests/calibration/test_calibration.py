@@ -6,7 +6,7 @@ import pytest
 from scipy import stats
 from tables import drawn
 
-from abradem.calibration.agreement import SCORES, agreement, exponents, scored
+from abradem.calibration.agreement import SCORES, agreement, scored, wear_exponents
 from abradem.calibration.halving import best_readings, rungs, survivors
 from abradem.calibration.outcome import equally_good, outcome, profiles
 from abradem.calibration.rows import arranged_rows
@@ -165,7 +165,7 @@ def test_exponents_of_a_planted_law_come_back():
         * rows["particle_density"] ** 0.24 * speed * rows["static_friction"] ** -0.77
         * (1.0 + rows["restitution"]) ** -0.37 * np.exp(0.5 * rows["plate_angle"] / 70.0)
     )  # fmt: skip
-    found = exponents(rows, wear.to_numpy(), setup).set_index("quantity")["exponent"]
+    found = wear_exponents(rows, wear.to_numpy(), setup).set_index("quantity")["exponent"]
     expected = {
         "archard_constant": 1.0, "particle_radius": 0.87, "particle_density": 0.24,
         "impact_speed": 1.0, "static_friction": -0.77, "restitution": -0.37, "plate_angle": 0.5,
@@ -173,7 +173,7 @@ def test_exponents_of_a_planted_law_come_back():
     }  # fmt: skip
     for name, value in expected.items():
         assert found[name] == pytest.approx(value, abs=1e-9)
-    fixed = exponents(rows.assign(static_friction=0.5), wear.to_numpy(), setup)
+    fixed = wear_exponents(rows.assign(static_friction=0.5), wear.to_numpy(), setup)
     assert "static_friction" not in set(fixed["quantity"])
 
 

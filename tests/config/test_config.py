@@ -305,10 +305,6 @@ MALFORMED = {
         "study: a\nlearning:\n  target: wear_mean\n",
         'config.yaml: learning.target: "wear_mean": is unknown (allowed wear_total_mean, wear_total_worn, wear_total_footprint, wear_total_p99, wear_total_max, wear_sliding_mean, wear_sliding_worn, wear_sliding_footprint, wear_sliding_p99, wear_sliding_max, wear_friction_mean, wear_friction_worn, wear_friction_footprint, wear_friction_p99, wear_friction_max)',
     ),
-    "arc_without_an_arc": (
-        "study: a\nsimulation:\n  factory: {arc_radius_mm: 50}\n",
-        "config.yaml: simulation.factory.arc_radius_mm: 50: has no meaning for angle_acts: tilt (allowed 0, or angle_acts: arc)",
-    ),
     "arc_that_reaches_the_plate": (
         "study: a\nsimulation:\n  factory: {arc_radius_mm: 250, angle_acts: arc}\n",
         "config.yaml: simulation.factory.arc_radius_mm: 250: must be less than the fall height (allowed below 250 mm)",
@@ -399,7 +395,7 @@ MALFORMED = {
     ),
     "template_that_would_run_code": (
         "__use_yte__: true\nstudy: ?open('x', 'w')\n",
-        """config.yaml: study: "?open('x', 'w')": has the wrong form (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)\nconfig.yaml: __use_yte__: true: unknown key (allowed study, seed, sampling, simulation, wear_rate, dataset, features, learning, figures, publish)""",
+        """config.yaml: study: "?open('x', 'w')": has the wrong form (allowed letters, digits, _ and -, beginning with a letter or digit, at most 64)\nconfig.yaml: __use_yte__: true: unknown key (allowed study, seed, sampling, simulation, wear_rate, dataset, features, learning, calibration, figures, publish)""",
     ),
     "more_cases_than_there_is_time_for": (
         "study: a\nsampling:\n  blocks: 10000\n  cases_per_block: 100000\n",

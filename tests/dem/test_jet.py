@@ -90,7 +90,6 @@ def test_a_level_factory_is_one_at_an_angle_of_zero():
     ("change", "words"),
     [
         ({"angle_acts": "swing"}, "angle_acts = 'swing' is unknown; allowed: tilt, level, arc"),
-        ({"arc_radius": 0.1}, "needs angle_acts = 'arc'"),
         ({"angle_acts": "arc", "arc_radius": 0.25}, "must be less than fall_height"),
         ({"angle_acts": "arc", "arc_radius": -0.1}, "arc_radius = -0.1"),
     ],

@@ -410,7 +410,9 @@ def test_frames_of_the_film_share_one_scale_and_the_wear_grows():
 
 
 ROOT = Path(__file__).parents[2]
-RULES = (ROOT / "workflow" / "rules" / "figures.smk").read_text()
+RULES = "".join(
+    (ROOT / "workflow" / "rules" / f"{name}.smk").read_text() for name in ("figures", "calibration")
+)
 
 
 def named_figures():

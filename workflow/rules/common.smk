@@ -54,6 +54,8 @@ LOGS = f"{RESULTS}/logs"
 SETUP = setup_dict(CONFIG)
 # False if the models are trained on an external table.
 SIMULATED = CONFIG.dataset.external is None
+# True if the study is a search for the set-up that explains a table.
+CALIBRATES = CONFIG.calibration.table is not None
 
 # Hashes of the code that rules depend on, by script; they are parameters of the rules.
 CODE = {}

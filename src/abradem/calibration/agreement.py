@@ -134,7 +134,7 @@ def _noise(given: np.ndarray, replicates: np.ndarray) -> dict[str, float]:
     return found
 
 
-def exponents(rows: pd.DataFrame, wear: np.ndarray, setup: Mapping) -> pd.DataFrame:
+def wear_exponents(rows: pd.DataFrame, wear: np.ndarray, setup: Mapping) -> pd.DataFrame:
     """Exponents of the quantities in a wear rate, by least squares of its logarithm.
 
     ``ln y = a + sum b ln x + c phi / 70 deg + d theta / 90 deg``, with x the Archard constant, the
@@ -174,7 +174,7 @@ def exponents(rows: pd.DataFrame, wear: np.ndarray, setup: Mapping) -> pd.DataFr
 
 
 def design(rows: pd.DataFrame, setup: Mapping) -> dict[str, np.ndarray]:
-    """Return the terms of `exponents` by name."""
+    """Return the terms of `wear_exponents` by name."""
     from abradem.dem.model import Setup
 
     built = Setup.from_dict(setup)

@@ -12,9 +12,9 @@ from abradem.calibration.agreement import (
     SCORES,
     agreement,
     design,
-    exponents,
     scored,
     simulated_means,
+    wear_exponents,
 )
 from abradem.calibration.halving import best_readings, combination
 from abradem.calibration.space import Unknown
@@ -199,6 +199,44 @@ def outcome(
     return summary, predicted, _slopes(predicted, setups[trial])
 
 
+def trial_table(scores: Sequence[pd.DataFrame], trials: Sequence[Mapping], by: str) -> pd.DataFrame:
+    """Return all trials with the last rung that they reached and their best reading there.
+
+    Parameters
+    ----------
+    scores : sequence of pandas.DataFrame
+        Of each rung.
+    trials : sequence of mapping
+        Values of all set-ups, by number.
+    by : str
+        The score that decides.
+
+    Returns
+    -------
+    pandas.DataFrame
+        trial, rung (from 1; 0 without a score), values (text), and the columns of
+        `abradem.calibration.agreement.scored` for the best reading.
+    """
+    found = pd.DataFrame(
+        {
+            "trial": range(len(trials)),
+            "values": ["; ".join(f"{k} = {v}" for k, v in one.items()) for one in trials],
+        }
+    )
+    best = pd.concat(
+        [best_readings(one, by).assign(rung=rung) for rung, one in enumerate(scores, start=1)],
+        ignore_index=True,
+    ).drop_duplicates("trial", keep="last")
+    found = found.merge(best, on="trial", how="left")
+    for name in ("measure", "statistic"):
+        found[name] = found[name].fillna("")
+    for name in ("rung", "rows", "missing"):
+        found[name] = found[name].fillna(0).astype("int64")
+    return found.sort_values(
+        ["rung", by, "trial"], ascending=[False, False, True], ignore_index=True
+    )
+
+
 def _spread(values: list[float]) -> float:
     return float(np.std(values, ddof=1)) if len(values) > 1 else float("nan")
 
@@ -209,7 +247,7 @@ def _slopes(predicted: pd.DataFrame, setup: Mapping) -> pd.DataFrame:
     parts = []
     for name, wear in (("given", given), ("simulated", simulated), ("ratio", given / simulated)):
         fine = np.isfinite(wear) & (wear > 0.0)
-        one = exponents(predicted[fine], wear[fine], setup).rename(
+        one = wear_exponents(predicted[fine], wear[fine], setup).rename(
             columns={"exponent": f"{name}_exponent", "exponent_stderr": f"{name}_stderr"}
         )
         parts.append(one.set_index("quantity"))

@@ -87,3 +87,42 @@ def run_trial(
     return pd.DataFrame(found, columns=RUN_COLUMNS).astype(
         {"trial": "int64", "case_id": "int64", "replicate": "int32", "element_size": "float64"}
     )
+
+
+def run_place(
+    chosen: Sequence[int | None],
+    place: int,
+    setups: Sequence[Mapping],
+    rows: pd.DataFrame,
+    count: int,
+    held_out: bool,
+    replicates: int,
+    element_sizes: Sequence[float],
+    footprint_share: float,
+) -> pd.DataFrame:
+    """Run the trial at a place of a rung; an empty table if there is none.
+
+    Parameters
+    ----------
+    chosen : sequence of int or None
+        Trials of the rung.
+    place : int
+    setups : sequence of mapping
+        Of all trials, by number.
+    rows : pandas.DataFrame
+        From `abradem.calibration.rows.arranged_rows`.
+    count : int
+        Number of rows used.
+    held_out : bool
+        Whether the rows held out are simulated too.
+    replicates, element_sizes, footprint_share
+        See `run_trial`.
+    """
+    parts = [rows[rows["part"] == "used"].head(count)]
+    if held_out:
+        parts.append(rows[rows["part"] == "held out"])
+    here = pd.concat(parts, ignore_index=True)
+    trial = chosen[place]
+    if trial is None:
+        here, trial = here.iloc[:0], 0
+    return run_trial(trial, here, setups[trial], replicates, element_sizes, footprint_share)

@@ -48,12 +48,7 @@ def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
         )
 
     factory = simulation.factory
-    if factory.arc_radius_mm > 0.0 and factory.angle_acts != "arc":
-        yield (
-            ("simulation", "factory", "arc_radius_mm"),
-            f"has no meaning for angle_acts: {factory.angle_acts} (allowed 0, or angle_acts: arc)",
-        )
-    if factory.arc_radius_mm >= factory.fall_height_mm:
+    if factory.angle_acts == "arc" and factory.arc_radius_mm >= factory.fall_height_mm:
         yield (
             ("simulation", "factory", "arc_radius_mm"),
             f"must be less than the fall height (allowed below {factory.fall_height_mm:g} mm)",

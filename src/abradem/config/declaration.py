@@ -203,7 +203,7 @@ class Factory(Section):
         "is lower by arc_radius times 1 - cos(factory angle).",
     )
     arc_radius_mm: float = _key(
-        0.0, "Radius of the arc for angle_acts: arc, otherwise 0.", unit="mm", ge=0.0, le=100_000.0
+        0.0, "Radius of the arc, for angle_acts: arc alone.", unit="mm", ge=0.0, le=100_000.0
     )
     feed: Literal["mass", "number"] = _key(
         "mass", "Which rate is prescribed: mass per time or particles per time."
@@ -597,6 +597,30 @@ def _check_columns(value: Any) -> dict[str, str | list[str]]:
     return {str(name): column for name, column in value.items()}
 
 
+_COLUMNS_SCHEMA = WithJsonSchema(
+    {
+        "type": "object",
+        "additionalProperties": {
+            "anyOf": [
+                {"type": "string"},
+                {"type": "array", "items": {"type": "string"}, "maxItems": 2},
+            ]
+        },
+    }
+)
+
+
+def _check_search(value: Any) -> dict[str, Any]:
+    if not isinstance(value, Mapping):
+        raise ValueError("must map keys of simulation to what they may be")
+    return {str(key): values for key, values in value.items()}
+
+
+_SEARCH_SCHEMA = WithJsonSchema(
+    {"type": "object", "additionalProperties": {"anyOf": [{"type": "array"}, {"type": "object"}]}}
+)
+
+
 class Dataset(Section):
     """Your own table instead of simulations."""
 
@@ -607,25 +631,72 @@ class Dataset(Section):
         min_length=1,
         allowed="the path of a file or null",
     )
-    columns: Annotated[
-        Any,
-        PlainValidator(_check_columns),
-        WithJsonSchema(
-            {
-                "type": "object",
-                "additionalProperties": {
-                    "anyOf": [
-                        {"type": "string"},
-                        {"type": "array", "items": {"type": "string"}, "maxItems": 2},
-                    ]
-                },
-            }
-        ),
-    ] = _key(
+    columns: Annotated[Any, PlainValidator(_check_columns), _COLUMNS_SCHEMA] = _key(
         {},
         "Column of the table for each quantity with a different column name, or [column, unit] if "
         "the unit differs too. The names and units of the published table of the paper are known.",
         allowed="{name: column} or {name: [column, unit]}",
+    )
+
+
+class Calibration(Section):
+    """A search for the set-ups that explain a table of wear rates, instead of a study.
+
+    The other keys give what is known of the set-up.
+    """
+
+    table: str | None = _key(
+        None,
+        "CSV or Parquet file with the sampled quantities and a wear rate; null: no search.",
+        allowed="the path of a file or null",
+    )
+    columns: Annotated[Any, PlainValidator(_check_columns), _COLUMNS_SCHEMA] = _key(
+        {},
+        "Columns of the table with other names, as for dataset.columns.",
+        allowed="{name: column} or {name: [column, unit]}",
+    )
+    target: str = _key(
+        "wear_total_mean", "Column of the table to explain.", allowed="a wear column of the table"
+    )
+    search: Annotated[Any, PlainValidator(_check_search), _SEARCH_SCHEMA] = _key(
+        {},
+        "What is unknown: for each key of simulation (or keys, separated by commas, that share a "
+        "value) a list of values, or bounds with a scale (linear or log).",
+        allowed="{key: [value, value]} or {key: {from: low, to: high, scale: log}}",
+    )
+    element_sizes_mm: list[Annotated[float, Field(gt=0.0, le=100_000.0)]] = _key(
+        [10.0, 20.0, 30.0, 50.0],
+        "Edges of the elements of the statistics; all are tried, from one simulation.",
+        allowed="a list of whole multiples of the facets",
+        min_length=1,
+    )
+    constant: bool = _key(
+        False,
+        "true: set-ups are judged after a constant factor is fitted; false: without one.",
+        allowed="true or false",
+    )
+    least_radius_mm: float = _key(
+        0.0, "Rows with smaller particles are left out.", unit="mm", ge=0.0, le=100.0
+    )
+    held_out_every: int = _key(
+        4,
+        "Every so many rows, in the order of their wear rate, one is held out; 0: none.",
+        ge=0,
+        le=1000,
+    )
+    trials: int = _key(64, "Number of set-ups drawn.", ge=1, le=100_000)
+    keep: float = _key(0.25, "Share of the set-ups that goes on to the next rung.", gt=0.0, le=1.0)
+    rows: list[Annotated[int, Field(ge=4, le=1_000_000)]] = _key(
+        [16, 40, 1_000_000],
+        "Rows of the table in each rung; more than there are: all.",
+        allowed="a list of whole numbers from 4 on",
+        min_length=1,
+    )
+    replicates: list[Annotated[int, Field(ge=1, le=1000)]] = _key(
+        [2, 2, 4],
+        "Simulations of each row in each rung, with different seeds.",
+        allowed="a list of whole numbers, as many as rows",
+        min_length=1,
     )
 
 
@@ -770,6 +841,9 @@ class Config(Section):
     )
     features: Features = Field(default_factory=Features, description="The derived quantities.")
     learning: Learning = Field(default_factory=Learning, description="Models of the data set.")
+    calibration: Calibration = Field(
+        default_factory=Calibration, description="Search for the set-up that explains a table."
+    )
     figures: Figures = Field(default_factory=Figures, description="The figures of the report.")
     publish: Publish = Field(
         default_factory=Publish, description="Metadata of the published data set."

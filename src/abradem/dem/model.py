@@ -179,7 +179,7 @@ class Setup:
     angle_acts : {"tilt", "level", "arc"}
         How the factory angle acts, see `patch_place`.
     arc_radius : float
-        Radius r of the arc of ``arc``, m.
+        Radius r of the arc, m; used by ``arc`` alone.
     mass_rate, number_rate : float or None
         Feed in kg/s or in particles per second; exactly one of them.
     removal_depth : float
@@ -236,9 +236,7 @@ class Setup:
         _check_choice("stepping", self.stepping, STEPPINGS)
         _check_choice("angle_acts", self.angle_acts, ANGLE_ACTS)
         _check_number("arc_radius", self.arc_radius, least=0.0)
-        if self.arc_radius > 0.0 and self.angle_acts != "arc":
-            raise ValueError(f"arc_radius = {self.arc_radius!r} needs angle_acts = 'arc'")
-        if self.arc_radius >= self.fall_height > 0.0:
+        if self.angle_acts == "arc" and self.arc_radius >= self.fall_height:
             raise ValueError(
                 f"arc_radius = {self.arc_radius!r} must be less than fall_height = "
                 f"{self.fall_height!r}"
@@ -291,6 +289,8 @@ class Setup:
         """
         if self.angle_acts == "tilt":
             return self.fall_height, factory_angle
+        if self.angle_acts == "level":
+            return self.fall_height, 0.0
         sagitta = self.arc_radius * (1.0 - math.cos(math.radians(factory_angle)))
         return self.fall_height - sagitta, 0.0
 

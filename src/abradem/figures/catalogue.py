@@ -51,6 +51,7 @@ SETUP, SIMULATIONS, LINEAR = "Set-up", "Simulations", "Linear models"
 COMPONENTS, TREES, NETWORKS = "Principal components", "Trees", "Networks"
 PHYSICAL, ALL_MODELS = "Models on dimensionless groups", "All models"
 VERIFICATION = "Verification and performance"
+CALIBRATION = "Calibration to a table"
 
 FIGURES: dict[str, Entry] = {
     "setup": Entry(
@@ -261,6 +262,22 @@ FIGURES: dict[str, Entry] = {
         "Predicted against simulated wear (parity) of the test rows for each model under both "
         "protocols.",
         BOTH,
+    ),
+    "agreement": Entry(
+        CALIBRATION,
+        "simulated against given wear rates",
+        "calibration:draw_agreement",
+        "Wear depth rates simulated with the best set-up against those of the table, without a "
+        "fitted constant, and their ratio against each quantity.",
+        "rows used by the search and rows held out",
+    ),
+    "profiles": Entry(
+        CALIBRATION,
+        "profiles of the unknowns",
+        "calibration:draw_profiles",
+        "The best agreement for each value of each unknown of the set-up, whatever the others are: "
+        "what the table tells apart, and what not.",
+        "rows of the first rung of the search",
     ),
     "verification": Entry(
         VERIFICATION,

@@ -31,6 +31,15 @@ def estimate(config: Config, cores: int | None = None) -> str:
     from abradem.sampling.cost import case_seconds
     from abradem.sampling.draw import block_cases
 
+    if config.calibration.table is not None:
+        from abradem.running.trial_setups import search_rungs
+
+        rungs = search_rungs(config)
+        of = ", ".join(str(rung.trials) for rung in rungs)
+        return (
+            f"{config.study}: calibration to {config.calibration.table}, {of} set-ups in "
+            f"{_count(len(rungs), 'rung')}, a job each"
+        )
     if config.dataset.external is not None:
         return f"{config.study}: learning from {config.dataset.external}, nothing is simulated"
     cores = cores or os.cpu_count() or 1

@@ -277,6 +277,71 @@ def _columns(unit: str, dtype: str = "float64", /, **names: str) -> dict[str, Co
     return {name: Column(unit, words, dtype) for name, words in names.items()}
 
 
+CALIBRATION = {
+    **_columns(
+        "1",
+        "int64",
+        trial="number of the set-up",
+        rows="rows scored",
+        rung="last rung",
+        missing="simulations without a wear rate",
+        trials="set-ups with this value",
+    ),
+    **_columns(
+        "1",
+        "string",
+        values="values of the unknowns",
+        measure="wear measure",
+        statistic="statistic over the elements",
+        unknown="unknown",
+        value="value",
+        part="used, held out or left out",
+        quantity="quantity",
+        status="ok, or why the simulation gave no result",
+    ),
+    **_columns("1", "int32", replicate="number of the replicate"),
+    **_columns("1", "bool", told_apart="whether the score differs from that of the best value"),
+    **_columns("m", element_size="edge of the elements"),
+    **_columns(
+        "mm/s",
+        given="wear depth rate in the table",
+        simulated="simulated wear depth rate",
+        simulated_stderr="standard error over the replicates",
+    ),
+    **_columns(
+        "1",
+        low="lower bound of the part of a range",
+        high="its upper bound",
+        score="best score with this value",
+        noise="standard error of the score",
+        **{
+            name: words
+            for score, meaning in (
+                ("log_r2", "R2 of ln y without a constant"),
+                ("log_r2_constant", "R2 of ln y with a constant"),
+                ("r2", "R2 of y without a constant"),
+                ("r2_constant", "R2 of y with a constant"),
+                ("spearman", "rank correlation"),
+                ("constant", "constant that fits the simulated rates"),
+            )
+            for name, words in (
+                (score, meaning),
+                (f"{score}_noise", f"standard error of the {meaning}"),
+            )
+        },
+        **{
+            name: words
+            for of in ("given", "simulated", "ratio")
+            for name, words in (
+                (f"{of}_exponent", f"exponent in the {of} wear rate"),
+                (f"{of}_stderr", "its standard error"),
+            )
+        },
+    ),
+}
+"""Tables of `abradem.calibration`."""
+
+
 VERIFICATION = {
     **_columns("1", "int64", part="part of the study", steps="steps per contact",
                replicate="number of the replicate", facets="facets along the length"),

@@ -109,7 +109,7 @@ def jet_of(setup: Mapping) -> Jet:
 
 def fall_height(values: Mapping, jet: Jet):
     """Height of the centre of the patch above the centre of the plate, m."""
-    if jet.arc_radius == 0.0:
+    if jet.angle_acts != "arc":
         return jet.fall_height
     return jet.fall_height - jet.arc_radius * (1.0 - np.cos(_DEGREE * values["factory_angle"]))
 
