@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
+from abradem.store.errors import TableError
 from abradem.surrogate.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, preset
 from abradem.surrogate.model import PredictionError, Surrogate
 from abradem.units import UNITS, parse_value
@@ -185,11 +186,15 @@ def _predict_table(options, surrogate: Surrogate, given: dict, depth: float | No
 def _read(path: Path):
     import pandas as pd
 
-    readers = {".csv": pd.read_csv, ".parquet": pd.read_parquet}
+    from abradem.store.tables import read_table
+
+    readers = {".csv": pd.read_csv, ".parquet": read_table}
     if path.suffix not in readers:
         raise PredictionError(f"{path}: is neither .csv nor .parquet")
     try:
         table = readers[path.suffix](path)
+    except TableError:
+        raise
     except FileNotFoundError:
         raise PredictionError(f"{path}: there is no such file") from None
     except (ValueError, OSError) as error:
