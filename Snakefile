@@ -14,6 +14,11 @@ import sys
 from pathlib import Path
 
 try:
+    from abradem.store.errors import memory_problem, too_small_limit
+
+    if line := too_small_limit("the workflow", 1000):
+        sys.exit(line)
+
     import abradem.config
     import abradem.running.effort
 except ModuleNotFoundError as error:
@@ -21,6 +26,8 @@ except ModuleNotFoundError as error:
         f"{error.name} is not installed in {sys.executable}: "
         f"run `make setup`, or `pip install -e .` in {workflow.current_basedir}"
     )
+except (ImportError, MemoryError, OSError) as error:
+    sys.exit(memory_problem(error) or str(error))
 
 if not workflow.current_basedir.is_local:
     sys.exit(
@@ -117,9 +124,8 @@ onstart:
         sys.exit(
             f"{RESULTS}: {RUN_LOCK.holder()} is at work here; wait for its end"
         )
-    print(abradem.running.effort.estimate(CONFIG, workflow.cores), file=sys.stderr)
     lift_rate_limit(workflow.scheduler)
-    MONITOR.start(to_simulate(workflow.dag.needrun_jobs()))
+    announce(workflow.dag, workflow.cores)
 
 
 onsuccess:
@@ -129,4 +135,6 @@ onsuccess:
 
 onerror:
     MONITOR.stop()
+    if line := killed_for_memory(KILLED_BEFORE):
+        print(line, file=sys.stderr)
     RUN_LOCK.release()

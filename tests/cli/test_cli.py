@@ -17,6 +17,7 @@ import abradem.dem
 from abradem.cli.main import main
 from abradem.config import read_config, sampled_ranges, setup_dict, to_yaml
 from abradem.dem.model import Case, Setup, SimulationResult
+from abradem.running.outputs import record_outputs
 from abradem.sampling.draw import block_cases
 from abradem.store.tables import read_table, write_table
 
@@ -230,3 +231,33 @@ def test_cases_of_a_study_survive_their_file_bit_for_bit(study, config):
     pd.testing.assert_frame_equal(
         read_table(study / "cases" / "block-000.parquet"), drawn, check_exact=True
     )
+
+
+# Damage
+
+
+@pytest.mark.parametrize("name", ["config.yaml", "cases/block-000.parquet"])
+def test_a_case_is_not_repeated_from_a_damaged_file(study, simulated, capsys, name):
+    """A digit of the configuration that was changed would give another wear rate."""
+    record_outputs(study, "all", [study / name])
+    assert main(["simulate", "--study", str(study), "--case", "1"]) in (0, 1)
+    assert len(simulated) == 1
+    capsys.readouterr()
+    content = bytearray((study / name).read_bytes())
+    content[len(content) // 2] ^= 1
+    (study / name).write_bytes(content)
+    assert main(["simulate", "--study", str(study), "--case", "1"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"{study / name}: damaged, differs from what its job wrote; `abradem")
+    assert len(simulated) == 1
+
+
+@pytest.mark.parametrize("error", [MemoryError(), OSError(12, "Cannot allocate memory")])
+def test_a_command_without_memory_ends_in_one_line(study, monkeypatch, capsys, error):
+    def simulate(*_, **__):
+        raise error
+
+    monkeypatch.setattr("abradem.dem.simulate", simulate)
+    assert main(["simulate", "--study", str(study), "--case", "1"]) == 3
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("there was too little memory")

@@ -9,7 +9,7 @@ import pytest
 from abradem import simulate
 from abradem.dem import samples, synchronous
 from abradem.dem.counter_random import uniform
-from abradem.dem.energy import energy_balance
+from abradem.dem.energy import energy_balance, energy_present
 from abradem.dem.model import Interaction
 from abradem.dem.samples import make_record
 from abradem.dem.simulation import FIRST_CAPACITY
@@ -321,6 +321,100 @@ def test_a_gain_of_energy_ends_the_case_with_its_reason():
 
     result = simulate(CASE, SHORT, recorder=Witness(push, 0.25))
     assert result.status.startswith("energy gain of")
+
+
+def moving_energy(problem, state):
+    return energy_present(problem, state)[1]
+
+
+def status_after_a_gain(case, setup, at, gain, releases=None):
+    """Status of a simulation in which the particles get ``gain`` (J) of spin at one time.
+
+    ``gain`` may be a function of the energy that moves at that time.
+    """
+    done = []
+
+    def push(time, problem, state):
+        live = int(state.tally["live"][0])
+        if time >= at and not done and live:
+            done.append(time)
+            energy = gain(moving_energy(problem, state)) if callable(gain) else gain
+            particles = state.particles[:live]
+            present = particles["motion"] != GONE
+            spin2 = particles["wz"] ** 2 + 2.0 * energy / (problem.inertia * present.sum())
+            particles["wz"][present] = np.sqrt(spin2[present])
+
+    result = simulate(case, setup, releases=releases, recorder=Witness(push, 0.1))
+    assert done
+    return result.status
+
+
+QUICKLY = 1e-4
+"""Between two samples, s, the jet loses less than what the tests add."""
+
+
+@pytest.mark.parametrize("at", [0.4, 2.9])
+@pytest.mark.parametrize(("share", "ends"), [(0.01, False), (0.05, True), (0.5, True)])
+def test_a_gain_is_compared_with_what_moves_at_any_time(at, share, ends):
+    """What was put in until then, here up to ten times what moves, makes the guard no weaker."""
+    setup = replace(SHORT, duration=3.1, sample_interval=QUICKLY)
+    status = status_after_a_gain(CASE, setup, at, lambda moving: share * moving)
+    assert status.startswith("energy gain of") is ends
+    assert status == "ok" or "of the energy that moved" in status
+
+
+@pytest.mark.parametrize("depth", [0.05, 5.0])
+def test_the_guard_does_not_depend_on_the_level_of_heights(depth):
+    setup = replace(SHORT, duration=0.8, removal_depth=depth, sample_interval=QUICKLY)
+    for share, ends in ((0.01, False), (0.06, True)):
+        status = status_after_a_gain(CASE, setup, 0.5, lambda moving, s=share: s * moving)
+        assert status.startswith("energy gain of") is ends
+
+
+AT_REST = ([0.0, 0.0], [[0.0, 1.0, 0.0], [0.0, 2.0, 0.0]], np.zeros((2, 3)))
+
+
+@pytest.mark.parametrize(("gain", "ends"), [(1e-18, False), (1e-15, False), (1e-9, True)])
+def test_where_nothing_was_put_in_rounding_is_no_gain_and_the_rest_is(gain, ends):
+    setup = JET.empty_space(duration=0.6, sample_interval=0.1)
+    status = status_after_a_gain(JET.case(), setup, 0.2, gain, AT_REST)
+    assert status.startswith("energy gain of") is ends
+
+
+@pytest.mark.parametrize(("gain", "ends"), [(1e-18, False), (0.0, False), (1e-6, True)])
+def test_particles_at_rest_on_the_plate_gain_nothing_by_rounding(gain, ends):
+    """Released on the plate: nothing moves but the contact that settles."""
+    plane = JET.plane(duration=0.8, sample_interval=0.1)
+    places = [[0.0, JET.radius, 0.0], [1.0, JET.radius, 0.0]]
+    status = status_after_a_gain(JET.case(), plane, 0.6, gain, ([0, 0], places, np.zeros((2, 3))))
+    assert status.startswith("energy gain of") is ends
+
+
+def test_particles_without_energy_by_the_level_of_heights_fall_undisturbed():
+    """At the removal level and at rest they count as no energy; they fall and are removed."""
+    setup = JET.setup(duration=0.6, sample_interval=0.01, plate_length=0.1, removal_depth=0.1)
+    problem, _ = make_problem(JET.case(), setup)
+    places = [[x, problem.removal_height + lift, 0.0]
+              for x, lift in ((0.5, 0.0), (0.6, 1e-16), (0.7, 1e-9), (0.8, 0.02))]  # fmt: skip
+    result = simulate(JET.case(), setup, releases=(np.zeros(4), places, np.zeros((4, 3))))
+    assert result.status == "ok" and result.removed == 4
+
+
+def test_no_ordinary_case_comes_near_the_guard():
+    """Gains of energy are rounding: the guard has ten orders of magnitude to spare."""
+    shares = []
+    for angle, velocity, radius in ((0.0, -3.0, 0.02), (45.0, -8.0, 0.01), (70.0, 0.0, 0.03)):
+        case = replace(CASE, plate_angle=angle, particle_velocity_y=velocity,
+                       particle_radius=radius)  # fmt: skip
+        seen = [0.0]
+
+        def look(time, problem, state, seen=seen, shares=shares):
+            seen.append(energy_balance(problem, state)["dissipated"])
+            if moving := moving_energy(problem, state):
+                shares.append((seen[-2] - seen[-1]) / moving)
+
+        simulate(case, replace(SHORT, duration=1.5), recorder=Witness(look, 0.05))
+    assert max(shares) < 1e-12
 
 
 def test_a_position_that_is_no_number_ends_the_case_with_its_reason():

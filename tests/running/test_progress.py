@@ -12,19 +12,19 @@ from abradem.running.progress import BatchOfCases, Monitor, duration
 
 
 class Batches:
-    """Two batches of four cases each, of a study of twelve cases."""
+    """Two batches of four cases each to be simulated, of twelve cases that a run needs."""
 
     def __init__(self, root):
         self.root = root
         self.stream = io.StringIO()
-        self.monitor = Monitor(12, root / ".finished", self.stream)
+        self.monitor = Monitor(root / ".finished", self.stream)
         self.batches = {
             name: BatchOfCases(4, root / f"{name}.parquet", root / ".finished" / name)
             for name in "ab"
         }
 
     def begin(self):
-        self.monitor.begin(self.batches)
+        self.monitor.begin(self.batches, 12)
 
     def run(self, name, resumed=0, finished=0):
         folder = self.batches[name].finished
@@ -48,6 +48,12 @@ def study(tmp_path):
 def test_cases_of_batches_that_need_not_run_count_as_done(study):
     study.begin()
     assert study.monitor.count() == 4
+
+
+@pytest.mark.parametrize(("total", "done"), [(8, 0), (9, 1), (12, 4)])
+def test_only_the_cases_that_a_run_needs_are_counted(study, total, done):
+    study.monitor.begin(study.batches, total)
+    assert study.monitor.line() == f"simulations: {done} of {total} cases done"
 
 
 def test_finished_cases_of_a_running_batch_count(study):
@@ -113,7 +119,7 @@ def test_the_last_line_says_how_long_it_took(study):
 
 def test_a_log_gets_plain_lines_and_the_last_one_once(study):
     study.monitor.interval = 0.01
-    study.monitor.start(study.batches)
+    study.monitor.start(study.batches, 12)
     study.end("a")
     study.end("b")
     time.sleep(0.1)
@@ -127,7 +133,7 @@ def test_a_log_gets_plain_lines_and_the_last_one_once(study):
 def test_a_terminal_gets_one_line_renewed_in_place(study):
     study.monitor.in_place = True
     study.monitor.interval = 0.01
-    study.monitor.start(study.batches)
+    study.monitor.start(study.batches, 12)
     time.sleep(0.05)
     study.monitor.stop()
     text = study.stream.getvalue()
@@ -138,7 +144,7 @@ def test_a_terminal_gets_one_line_renewed_in_place(study):
 def test_a_message_of_another_gets_the_line_of_the_terminal(study):
     study.monitor.in_place = True
     study.monitor.interval = 0.01
-    study.monitor.start(study.batches)
+    study.monitor.start(study.batches, 12)
     time.sleep(0.05)
     study.monitor.interval = 60.0
     time.sleep(0.05)
@@ -148,14 +154,14 @@ def test_a_message_of_another_gets_the_line_of_the_terminal(study):
 
 
 def test_nothing_is_printed_or_left_if_nothing_is_simulated(study, tmp_path):
-    study.monitor.start({})
+    study.monitor.start({}, 12)
     study.monitor.stop()
     assert study.stream.getvalue() == ""
     assert list(tmp_path.iterdir()) == []
 
 
 def test_no_file_of_the_monitor_is_left(study, tmp_path):
-    study.monitor.start(study.batches)
+    study.monitor.start(study.batches, 12)
     study.monitor.stop()
     assert list(tmp_path.iterdir()) == []
 

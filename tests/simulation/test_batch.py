@@ -238,6 +238,56 @@ def test_a_damaged_kept_case_is_simulated_again(engine, tmp_path, name):
     assert len(engine.calls) == 3 and len(tables["runs"]) == 4
 
 
+def renamed(content):
+    """A name of a column in the footer, which no checksum of Parquet covers."""
+    return content.replace(b"case_id", b"case_iD")
+
+
+def retyped(content):
+    """The long name of a column, which nothing reads."""
+    return content.replace(b"long_name", b"long_nama")
+
+
+def flipped(content):
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+@pytest.mark.parametrize("name", [*FILES, "sums"])
+@pytest.mark.parametrize("harm", [renamed, retyped, flipped, lambda content: content[:-9]])
+def test_a_kept_case_with_any_damage_is_simulated_again(engine, tmp_path, name, harm):
+    """Also one that can still be read, with another name or value."""
+    run(tmp_path / "whole")
+    engine.calls.clear()
+    engine.fails_at = 3
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path / "cut")
+    kept = sorted((tmp_path / "cut" / ".finished" / "batch").glob(f"*.{name}.*"))[0]
+    content = kept.read_bytes()
+    if harm(content) == content:
+        pytest.skip("has nothing of the kind")
+    kept.write_bytes(harm(content))
+    engine.calls.clear()
+    engine.fails_at = None
+    run(tmp_path / "cut")
+    assert len(engine.calls) == 3
+    for table in TABLES:
+        whole = (tmp_path / "whole" / f"{table}.parquet").read_bytes()
+        assert (tmp_path / "cut" / f"{table}.parquet").read_bytes() == whole
+
+
+def test_a_kept_case_whose_tables_are_those_of_another_is_simulated_again(engine, tmp_path):
+    engine.fails_at = 3
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path)
+    first, second = sorted((tmp_path / ".finished" / "batch").glob("*.runs.parquet"))
+    first.write_bytes(second.read_bytes())
+    engine.calls.clear()
+    engine.fails_at = None
+    assert sorted(run(tmp_path)["runs"]["case_id"]) == [0, 1, 2, 3]
+    assert len(engine.calls) == 3
+
+
 def test_a_clock_that_jumps_changes_nothing(engine, tmp_path):
     """Files of an interrupted batch are used even if they are dated 1970 or 2096."""
     run(tmp_path / "whole")

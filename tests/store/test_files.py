@@ -18,6 +18,25 @@ def test_json_is_sorted_plain_and_the_same_every_time(tmp_path):
     }
     assert (tmp_path / "a.json").read_text().index('"a"') < 5
     assert files.read_json(tmp_path / "a.json")["b"] is None
-    (tmp_path / "a.json").write_text("{")
-    with pytest.raises(files.TableError, match="not JSON"):
+
+
+@pytest.mark.parametrize("text", ["{", "", '{"a": NaN}', "[-Infinity]", "[" * 100_000, "1" * 5000])
+def test_what_is_no_json_is_one_line(tmp_path, text):
+    (tmp_path / "a.json").write_text(text)
+    with pytest.raises(files.TableError, match="not JSON") as error:
         files.read_json(tmp_path / "a.json")
+    assert len(str(error.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff" * 100, b"\x08\0\0\0\0\0\0\0{      }x", None])
+def test_damaged_arrays_are_one_line(tmp_path, content):
+    path = tmp_path / "a.safetensors"
+    files.write_arrays({"a": np.arange(5.0)}, path)
+    whole = path.read_bytes()
+    # None: a type that numpy lacks.
+    path.write_bytes(whole.replace(b'"F64"', b'"F99"') if content is None else content)
+    with pytest.raises(files.TableError, match="corrupt or not safetensors") as error:
+        files.read_arrays(path)
+    assert len(str(error.value).splitlines()) == 1
+    with pytest.raises(files.TableError, match="no such file"):
+        files.read_arrays(tmp_path / "none.safetensors")

@@ -1,12 +1,16 @@
 """The surrogate: distillation, files without code, few imports, warnings outside its ranges."""
 
 import json
+import re
+import shutil
 import subprocess
 import sys
 import time
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from tables import product_law
 
@@ -18,7 +22,8 @@ from abradem.learning.physical.distil import Settings, distil, evaluate_surrogat
 from abradem.learning.physical.models import PROCESS, makers
 from abradem.learning.physical.problem import problem
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, check_value
-from abradem.store.files import read_arrays
+from abradem.running.outputs import record_outputs
+from abradem.store.files import read_arrays, write_arrays
 from abradem.surrogate.groups import Jet
 from abradem.surrogate.model import PredictionError, Surrogate, conformal_quantile, highest_level
 from abradem.units import parse_value
@@ -181,12 +186,131 @@ def test_missing_and_damaged_files_are_one_line(stem, tmp_path):
     with pytest.raises(PredictionError, match=r"nowhere.json: there is no such file; run the"):
         Surrogate.load(tmp_path / "nowhere")
     arrays = stem.with_suffix(".safetensors").read_bytes()
-    text = stem.with_suffix(".json").read_text()
-    for content, damaged in ((text, arrays[: len(arrays) // 2]), ("{}", arrays), ("x", arrays)):
-        (tmp_path / "a.json").write_text(content)
+    text = stem.with_suffix(".json").read_bytes()
+    for content, damaged, words in (
+        (text, arrays[: len(arrays) // 2], "a.safetensors: truncated, corrupt or not safetensors"),
+        (text, b"", "a.safetensors: truncated, corrupt or not safetensors"),
+        (text[:-20], arrays, "a.json: truncated, corrupt or not JSON"),
+        (b"[" * 100_000, arrays, "a.json: truncated, corrupt or not JSON"),
+        (b"\xff" + text, arrays, "a.json: truncated, corrupt or not JSON"),
+        (b"{}", arrays, r"a.json: damaged, or not a surrogate \(kind = None"),
+    ):
+        (tmp_path / "a.json").write_bytes(content)
         (tmp_path / "a.safetensors").write_bytes(damaged)
-        with pytest.raises(PredictionError, match="damaged, or not a surrogate"):
+        with pytest.raises(PredictionError, match=words) as caught:
             Surrogate.load(tmp_path / "a")
+        assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        ((), [1, 2], "the content = [1, 2] must be an object"),
+        (("kind",), "network", "kind = 'network' must be 'surrogate'"),
+        (("groups",), ["log_froude"], "groups = ['log_froude'] must be"),
+        (("groups",), None, "groups = None must be a list"),
+        (("target",), "wear", "target = 'wear' must be an object"),
+        (("target", "unit"), "m/s", "target.unit = 'm/s' must be 'mm/s'"),
+        (("target", "unit"), 3, "target.unit = 3 must be text"),
+        (("target", "name"), ..., "target.name is missing"),
+        (("jet",), [1.0], "jet = [1.0] must be an object"),
+        (("jet", "gravity"), ..., "jet has ["),
+        (("jet", "gravity"), "9.81", "jet.gravity = '9.81' must be a finite number"),
+        (("jet", "gravity"), True, "jet.gravity = True must be a finite number"),
+        (("jet", "fall_height"), {"m": 1.0}, "jet.fall_height = {'m': 1.0} must be a finite"),
+        (("jet", "fall_height"), -0.25, "jet.fall_height = -0.25 must not be negative"),
+        (("jet", "plate_area"), 0.0, "jet.plate_area = 0.0 must be positive"),
+        (("jet", "plate_area"), 10**400, "must be a finite number"),
+        (("jet", "number_rate"), 5.0, "either mass_rate or number_rate"),
+        (("features",), {}, "features = {} must be a list"),
+        (("features",), [], "features lack particle_shear_modulus"),
+        (("features", 0), None, "features[0] = None must be an object"),
+        (("features", 0, "name"), "colour", "features[0].name = 'colour' is no quantity"),
+        (("features", 0, "name"), "equipment_shear_modulus", "features lack particle_shear"),
+        (("features", 0, "unit"), "GPa", "unit = 'GPa' of particle_shear_modulus must be 'Pa'"),
+        (("features", 3, "training_range"), ..., "features[3].training_range is missing"),
+        (("features", 3, "training_range"), [1.0], "has 1 numbers, must have 2"),
+        (("features", 3, "training_range"), [2.0, 1.0], "is not in order"),
+        (("features", 3, "training_range"), [[1.0], 2.0], "must be a finite number"),
+    ],
+)  # fmt: skip
+def test_a_wrong_part_of_the_description_is_one_line(stem, tmp_path, path, value, words):
+    description = json.loads(stem.with_suffix(".json").read_text())
+    if path:
+        parent = description
+        for step in path[:-1]:
+            parent = parent[step]
+        if value is ...:
+            del parent[path[-1]]
+        else:
+            parent[path[-1]] = value
+    else:
+        description = value
+    (tmp_path / "a.json").write_text(json.dumps(description))
+    shutil.copy(stem.with_suffix(".safetensors"), tmp_path / "a.safetensors")
+    with pytest.raises(PredictionError, match=re.escape(words)) as caught:
+        Surrogate.load(tmp_path / "a")
+    line = str(caught.value)
+    assert line.startswith(f"{tmp_path / 'a.json'}: ") and len(line.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        ("group_mean", None, "group_mean is missing"),
+        ("group_mean", lambda a: a[:-1], "group_mean has shape (9,), must have (10)"),
+        ("group_mean", lambda a: a.reshape(2, 5), "group_mean has shape (2, 5)"),
+        ("group_scale", lambda a: a * 0.0, "group_scale must be positive"),
+        ("group_scale", lambda a: a.astype(int), "group_scale has type int64"),
+        ("conformal", lambda a: a[:0], "conformal must hold scores"),
+        ("conformal", lambda a: -a - 1.0, "conformal must hold scores"),
+        ("conformal", lambda a: a * np.nan, "conformal has values that are not finite"),
+        ("mean_weights_0", None, "mean_weights_0 is missing"),
+        ("mean_weights_1", lambda a: a[:-1], "mean_weights_1 has shape (31, 32)"),
+        ("mean_weights_2", lambda a: np.repeat(a, 2, axis=1), "mean_biases_2 has shape"),
+        ("mean_biases_0", None, "mean_biases_0 is missing"),
+        ("spread_biases_0", lambda a: a[:, None], "spread_biases_0 has shape (32, 1)"),
+        ("spread_weights_0", lambda a: a * np.inf, "spread_weights_0 has values"),
+    ],
+)  # fmt: skip
+def test_a_wrong_array_is_one_line(stem, tmp_path, name, change, words):
+    arrays = read_arrays(stem.with_suffix(".safetensors"))
+    changed = arrays.pop(name)
+    if change is not None:
+        with np.errstate(invalid="ignore"):
+            arrays[name] = change(changed)
+    write_arrays(arrays, tmp_path / "a.safetensors")
+    shutil.copy(stem.with_suffix(".json"), tmp_path / "a.json")
+    with pytest.raises(PredictionError, match=re.escape(words)) as caught:
+        Surrogate.load(tmp_path / "a")
+    line = str(caught.value)
+    assert line.startswith(f"{tmp_path / 'a.safetensors'}: ") and len(line.splitlines()) == 1
+
+
+def test_a_rate_that_is_no_number_is_refused(stem, tmp_path):
+    """Finite weights, as a damaged exponent leaves them, of a surrogate without checksums."""
+    arrays = read_arrays(stem.with_suffix(".safetensors"))
+    for shift in (1e30, -1e30):
+        arrays["mean_biases_2"] = np.full_like(arrays["mean_biases_2"], shift)
+        write_arrays(arrays, tmp_path / "a.safetensors")
+        shutil.copy(stem.with_suffix(".json"), tmp_path / "a.json")
+        with pytest.raises(PredictionError, match=r"gives a wear depth rate of (inf|0) mm/s"):
+            Surrogate.load(tmp_path / "a").predict(CASE)
+
+
+def test_a_surrogate_of_a_study_is_compared_with_its_checksum(stem, tmp_path):
+    """A flipped bit in the arrays would be read as another number."""
+    models = tmp_path / "results" / "a" / "models"
+    models.mkdir(parents=True)
+    for suffix in (".json", ".safetensors"):
+        shutil.copy(stem.with_suffix(suffix), models / f"surrogate{suffix}")
+    record_outputs(models.parent, "surrogate", models.iterdir())
+    Surrogate.load(models / "surrogate")
+    data = bytearray((models / "surrogate.safetensors").read_bytes())
+    data[-3] ^= 1
+    (models / "surrogate.safetensors").write_bytes(data)
+    with pytest.raises(PredictionError, match="differs from what its job wrote; `abradem doctor"):
+        Surrogate.load(models / "surrogate")
 
 
 def test_the_files_hold_numbers_and_words_alone(stem):
@@ -194,6 +318,27 @@ def test_the_files_hold_numbers_and_words_alone(stem):
     assert {"features", "jet", "scores", "dataset_hash", "groups"} <= description.keys()
     assert all({"name", "unit", "training_range"} <= f.keys() for f in description["features"])
     assert b"pickle" not in stem.with_suffix(".safetensors").read_bytes()
+
+
+@pytest.mark.parametrize("damage", ["cut", "zone", "index"])
+def test_parquet_for_predictions_is_read_by_the_one_reader(capsys, stem, tmp_path, damage):
+    """Damage and values that pandas cannot hold are one line; a column of an index is a column."""
+    path, output = tmp_path / "t.parquet", tmp_path / "o.csv"
+    frame = pd.DataFrame([CASE, {**CASE, "plate_angle": 20.0}])
+    frame.set_index("plate_angle").to_parquet(path)
+    if damage == "cut":
+        path.write_bytes(path.read_bytes()[:-9])
+    if damage == "zone":
+        zoned = pa.array([0, 1], pa.timestamp("us", "Mars/Olympus"))
+        pq.write_table(pa.Table.from_pandas(frame).append_column("day", zoned), path)
+    arguments = ["--model", str(stem), "--table", str(path), "--output", str(output)]
+    code = main(["predict", *arguments])
+    said = capsys.readouterr()
+    if damage == "index":
+        assert code == 0 and pd.read_csv(output)["plate_angle"].tolist()[1] == 20.0
+    else:
+        assert code == 2 and len(said.err.splitlines()) == 1 and not output.exists()
+        assert said.err.startswith(f"{path}: ")
 
 
 # Speed

@@ -24,6 +24,7 @@ from tables import product_law
 from abradem.figures.catalogue import FIGURES as CATALOGUE
 from abradem.quantities import SAMPLED_NAMES
 from abradem.report import latex
+from abradem.store.checksums import recorded
 from abradem.store.tables import read_result, read_table
 
 ROOT = Path(__file__).parents[2]
@@ -107,6 +108,13 @@ class Project:
             self.command(*arguments, overlays=overlays),
             cwd=self.root, env={**self.environment, **environment}, text=True, check=False,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=900,
+        )  # fmt: skip
+
+    def doctor(self, *options):
+        """Examine the smoke study."""
+        return subprocess.run(
+            [sys.executable, "-m", "abradem.cli.main", "doctor", "results/smoke", *options],
+            cwd=self.root, env=self.environment, text=True, check=False, capture_output=True,
         )  # fmt: skip
 
     def run(self, *arguments, overlays=(SMOKE,)):
@@ -678,6 +686,69 @@ def test_models_killed_in_their_training_and_trained_on_one_core_are_the_same(pr
     jobs = project.run("learning", "--forcerun", *again, "--cores", "1")
     assert set(again) <= set(jobs)
     assert content() == before
+
+
+def test_every_output_of_the_run_has_a_checksum(project):
+    """All but what Snakemake writes itself."""
+    results = {
+        path.relative_to(project.results).as_posix()
+        for path in project.results.rglob("*.*")
+        if path.is_file() and path.suffix not in (".log", ".tsv", ".sha256")
+    }
+    with_record = set(recorded(project.results))
+    assert {name for name in results if not name.startswith(("report.html", "vtk/"))} <= with_record
+    assert len(results) > 150
+
+
+def test_damage_is_found_named_and_healed_by_the_command_that_is_named(project):
+    """A table that jobs read, a model and a figure that nothing reads, a summary of the report."""
+    harmed = ["dataset.parquet", "learning/forest.safetensors", "figures/tree.png", "summary.json"]
+    before = {name: (project.results / name).read_bytes() for name in harmed}
+    for name in harmed:
+        content = bytearray(before[name])
+        content[len(content) // 2] ^= 1
+        (project.results / name).write_bytes(content)
+    stopped = project.snakemake("linear")
+    assert stopped.returncode != 0
+    line = next(line for line in stopped.stdout.splitlines() if line.startswith("results/smoke/d"))
+    assert line == (
+        "results/smoke/dataset.parquet: damaged, differs from what its job wrote; "
+        "`abradem doctor results/smoke --delete` removes what is damaged, and the next run makes "
+        "it again (see results/smoke/logs/linear.log)"
+    )
+    examined = project.doctor()
+    assert examined.returncode == 1
+    assert {line.split(": ")[0] for line in examined.stdout.splitlines()} >= {
+        f"results/smoke/{name}" for name in harmed
+    }
+    command = examined.stdout.splitlines()[-1].partition(": snakemake --configfile ")[2].split()
+    healed = project.snakemake(*command[1:], overlays=command[:1])
+    assert healed.returncode == 0, healed.stdout
+    assert before == {name: (project.results / name).read_bytes() for name in harmed}
+    assert project.doctor().returncode == 0
+    assert project.pending() == {}
+
+
+def test_what_was_deleted_as_damaged_is_made_by_the_next_run(project):
+    """The arrays of a tree are an output that no job reads and no target asks for."""
+    path = project.results / "learning" / "tree.safetensors"
+    before = path.read_bytes()
+    path.write_bytes(before[:-8])
+    assert project.pending() == {}
+    assert project.doctor("--delete").returncode == 1
+    assert project.run()["trees"] == 1
+    assert path.read_bytes() == before
+    assert project.doctor().returncode == 0 and project.pending() == {}
+
+
+def test_only_the_cases_that_a_target_needs_are_counted(project):
+    table = "results/smoke/runs/block-000-batch-000.parquet"
+    said = project.snakemake("--force", table).stdout
+    assert "smoke: 3 of 12 cases are to be simulated" in said
+    assert re.search(r"^simulations: 3 of 3 cases done in", said, re.MULTILINE)
+    said = project.snakemake("--force", "results/smoke/cases/block-000.parquet").stdout
+    assert "cases" not in re.sub(r"results/\S+|^(rule|.*output).*$", "", said, flags=re.MULTILINE)
+    assert project.run().keys() <= {"all", "rule_graph"}
 
 
 def test_a_failing_step_is_one_line_and_leaves_the_failures(project):

@@ -16,11 +16,13 @@ from abradem.config import (
 from abradem.figures.catalogue import FIGURES, SIMULATIONS
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
+from abradem.running.memory import killed_for_memory, memory_kills
 from abradem.running.progress import BatchOfCases, Monitor
 from abradem.running.provenance import versions
 from abradem.running.run_times import run_times
-from abradem.store.files import read_json
-from abradem.store.locks import Lock
+from abradem.store.checksums import damage
+from abradem.store.files import TableError, read_json
+from abradem.store.locks import lock_of_study
 
 
 def file_of_workflow(path):
@@ -219,18 +221,62 @@ def part(name, source=None):
     }
 
 
-def to_simulate(jobs):
-    """The batches to be simulated by the jobs of a run, for the progress monitor."""
-    return {
-        job.output.runs: BatchOfCases(
-            cases=len(range(*BATCHES[int(job.wildcards.batch)])),
-            runs=Path(job.output.runs),
-            finished=Path(job.params.finished),
-            work=seconds_of_batch(job.wildcards),
-        )
-        for job in jobs
-        if job.rule.name == "simulate"
+def cases_to_simulate(job):
+    """Number of cases that a job simulates."""
+    if job.rule.name != "simulate":
+        return 0
+    return len(range(*BATCHES[int(job.wildcards.batch)]))
+
+
+def batch_of(job):
+    """The batch of cases of a job, for the progress monitor."""
+    return BatchOfCases(
+        cases=cases_to_simulate(job),
+        runs=Path(job.output.runs),
+        finished=Path(job.params.finished),
+        work=seconds_of_batch(job.wildcards),
+    )
+
+
+def announce(dag, cores):
+    """Say what a run simulates, and start the line of progress.
+
+    Only the cases that the targets of the run need are counted: its graph has no others.
+    """
+    needed = sum(map(cases_to_simulate, dag.jobs))
+    pending = {
+        job.output.runs: batch_of(job)
+        for job in dag.needrun_jobs()
+        if cases_to_simulate(job)
     }
+    count = sum(batch.cases for batch in pending.values())
+    if not SIMULATED or count == CONFIG.cases:
+        print(abradem.running.effort.estimate(CONFIG, cores), file=sys.stderr)
+    elif count:
+        print(
+            f"{CONFIG.study}: {count} of {CONFIG.cases} cases are to be simulated",
+            file=sys.stderr,
+        )
+    MONITOR.start(pending, needed)
+
+
+def read_if_sound(path):
+    """The content of a result that the report shows; {} if it is missing or damaged.
+
+    A damaged one must not keep the run from starting that makes it again.
+    """
+    if not path.is_file():
+        return {}
+    try:
+        if line := damage(path):
+            raise TableError(line)
+        found = read_json(path)
+    except TableError as error:
+        # Jobs, which read the rules again, repeat no warning.
+        if workflow.is_main_process:
+            print(f"warning: {error}", file=sys.stderr)
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def lift_rate_limit(scheduler):
@@ -245,15 +291,18 @@ def lift_rate_limit(scheduler):
 
 
 # Replaces the locks of Snakemake, which a killed run leaves behind.
-RUN_LOCK = Lock(Path(".snakemake", f"abradem-{CONFIG.study}.lock"))
+RUN_LOCK = lock_of_study(CONFIG.study)
 
-MONITOR = Monitor(CONFIG.cases, Path(RESULTS, ".finished"))
+# Processes ended for want of memory before this run.
+KILLED_BEFORE = memory_kills()
+
+MONITOR = Monitor(Path(RESULTS, ".finished"))
 
 # Content of the overview of the report, available once the results exist.
 SUMMARY = Path(RESULTS, "summary.json")
 VERSIONS = Path(RESULTS, "versions.json")
-config["summary"] = read_json(SUMMARY) if SUMMARY.is_file() else {}
-config["recorded"] = read_json(VERSIONS) if VERSIONS.is_file() else {}
+config["summary"] = read_if_sound(SUMMARY)
+config["recorded"] = read_if_sound(VERSIONS)
 config["run_times"] = run_times(Path(RESULTS, "benchmarks"))
 config["resolved"] = CONFIG.model_dump(mode="json")
 

@@ -5,7 +5,7 @@ VERIFICATION_LOGS = f"{VERIFIED}/logs"
 
 # Shown in the report of a study if the verification study was run.
 VERDICTS = Path(VERIFIED, "summary.json")
-config["verification"] = read_json(VERDICTS) if VERDICTS.is_file() else {}
+config["verification"] = read_if_sound(VERDICTS)
 
 # The tables of each part of the study; every part has a table of checks.
 PARTS = {

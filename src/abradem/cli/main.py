@@ -1,6 +1,8 @@
-"""The command line: predict a wear rate, repeat one case of a study, check a configuration.
+"""The command line: predict a wear rate, repeat a case, check a configuration or the results.
 
-Invalid input ends with one line for each problem on stderr and exit code 2.
+Invalid input ends with one line for each problem on stderr and exit code 2, too little memory with
+one line and exit code 3. What needs numpy is imported when the command is known, as the import
+fails without memory.
 """
 
 from __future__ import annotations
@@ -13,8 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import abradem
-from abradem.cli.given_values import joined
-from abradem.cli.predict import add_parser as add_predict
+from abradem.store.errors import memory_problem, too_small_limit
 
 WRONG_INPUT = 2
 """Exit code for invalid input."""
@@ -23,16 +24,33 @@ NOT_OK = 1
 """Exit code for a case that was simulated but did not complete normally."""
 
 
+NO_MEMORY = 3
+"""Exit code for too little memory."""
+
+LEAST_MEMORY = {"simulate": 1000, "predict": 160, "config": 500, "doctor": 500}
+"""Address space, MB, below which a command cannot load the libraries that it needs."""
+
+
 class InputError(ValueError):
     """Invalid input; the message is one line."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
-    options = _parser().parse_args(joined(sys.argv[1:] if arguments is None else arguments))
+    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    command = arguments[0] if arguments and arguments[0] in LEAST_MEMORY else "predict"
+    if line := too_small_limit(f"abradem {command}", LEAST_MEMORY[command]):
+        print(line, file=sys.stderr)
+        return NO_MEMORY
     try:
+        from abradem.cli.given_values import joined
+
+        options = _parser().parse_args(joined(arguments))
         return options.run(options)
     except Exception as error:
+        if line := memory_problem(error):
+            print(line, file=sys.stderr)
+            return NO_MEMORY
         if not _is_of_the_user(error):
             raise
         print(error, file=sys.stderr)
@@ -41,8 +59,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _is_of_the_user(error: Exception) -> bool:
     """Whether an error is due to the user's input or the file system, and not a bug."""
-    explained = ("InputError", "ConfigError", "TableError", "PredictionError")
-    return isinstance(error, OSError) or type(error).__name__ in explained
+    explained = {"InputError", "ConfigError", "TableError", "PredictionError"}
+    names = {kind.__name__ for kind in type(error).__mro__}
+    return isinstance(error, OSError) or bool(names & explained)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -52,6 +71,9 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parser() -> argparse.ArgumentParser:
+    from abradem.cli.doctor import add_doctor
+    from abradem.cli.predict import add_parser as add_predict
+
     parser = _Parser(prog="abradem", description=abradem.__doc__.splitlines()[0])
     parser.add_argument("--version", action="version", version=f"abradem {abradem.__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="command")
@@ -106,6 +128,8 @@ def _parser() -> argparse.ArgumentParser:
         help="check the files and print the folder of the results instead",
     )
     config.set_defaults(run=_check_config)
+
+    add_doctor(commands)
     return parser
 
 
@@ -140,7 +164,7 @@ def _simulate(options: argparse.Namespace) -> int:
 
     if options.interval is not None and options.snapshots is None:
         raise InputError("--interval needs --snapshots FOLDER")
-    config = read_config(_existing(options.study) / "config.yaml")
+    config = read_config(_undamaged(_existing(options.study) / "config.yaml"))
     setup = setup_dict(config)
     row = find_case(options.study, options.case)
 
@@ -196,12 +220,21 @@ def find_case(study: Path, case: int) -> dict:
         raise InputError(f"{folder}: has no block-*.parquet; run the sampling of the study first")
     most = -1
     for _, path in sorted(files.items()):
-        cases = read_table(path)
+        cases = read_table(_undamaged(path))
         rows = cases[cases["case_id"] == case]
         if len(rows):
             return rows.iloc[0].to_dict()
         most = max(most, int(cases["case_id"].max()))
     raise InputError(f"{folder}: there is no case {case} (allowed 0 ... {most})")
+
+
+def _undamaged(path: Path) -> Path:
+    """Return the path of a result; raises if its content differs from what its job wrote."""
+    from abradem.store.checksums import damage
+
+    if path.exists() and (line := damage(path)):
+        raise InputError(line)
+    return path
 
 
 def _existing(folder: Path) -> Path:

@@ -6,42 +6,48 @@ import math
 
 from abradem.dem.cache import kernel
 from abradem.dem.plate import plate_distance
-from abradem.dem.state import GONE, energy_of
+from abradem.dem.state import GONE, energy_of, kinetic_energy_of
 
 
 @kernel
-def resident_energy(problem, state):
-    """Return kinetic, potential and stored elastic energy of all particles present, J.
+def energy_present(problem, state):
+    """Return the energy of all particles present, J: all of it, and that without the potential.
 
-    Heights are measured from the removal level. A Hertz contact stores 2/5 k d^{5/2}, a
-    tangential spring F^2 / (2 k_t).
+    The first is kinetic, potential and stored elastic energy, with heights from the removal level.
+    A Hertz contact stores 2/5 k d^{5/2}, a tangential spring F^2 / (2 k_t).
     """
     tally, particles, pairs = state.tally[0], state.particles, state.pairs
-    total = 0.0
+    total, moving = 0.0, 0.0
     radius = problem.radius
     for i in range(tally.live):
         particle = particles[i]
         if particle.motion == GONE:
             continue
         total += energy_of(problem, particle, tally.step)
+        moving += kinetic_energy_of(problem, particle, tally.step)
         distance = plate_distance(problem.plate, particle.x, particle.y, particle.z)[0]
         if distance < radius:
-            total += 0.4 * problem.plate_law.kn * (radius - distance) ** 2.5
+            squeezed = 0.4 * problem.plate_law.kn * (radius - distance) ** 2.5
+            total += squeezed
             total += particle.plate_energy
+            moving += squeezed + particle.plate_energy
     for p in range(tally.pairs):
         pair = pairs[p]
         if pair.stiffness == 0.0:
             continue
         a, b = particles[pair.i], particles[pair.j]
         distance = math.sqrt((a.x - b.x) ** 2 + (a.y - b.y) ** 2 + (a.z - b.z) ** 2)
-        total += 0.4 * problem.pair_law.kn * max(2.0 * radius - distance, 0.0) ** 2.5
+        squeezed = 0.4 * problem.pair_law.kn * max(2.0 * radius - distance, 0.0) ** 2.5
+        total += squeezed
         # The spring is a force (incremental law) or a displacement.
         spring2 = pair.sx**2 + pair.sy**2 + pair.sz**2
         if problem.pair_law.incremental:
-            total += 0.5 * spring2 / pair.stiffness
+            stretched = 0.5 * spring2 / pair.stiffness
         else:
-            total += 0.5 * spring2 * pair.stiffness
-    return total
+            stretched = 0.5 * spring2 * pair.stiffness
+        total += stretched
+        moving += squeezed + stretched
+    return total, moving
 
 
 def energy_balance(problem, state) -> dict:
@@ -51,7 +57,7 @@ def energy_balance(problem, state) -> dict:
     """
     inserted = float(state.tally["energy_in"][0])
     removed = float(state.tally["energy_out"][0])
-    resident = float(resident_energy(problem, state))
+    resident = float(energy_present(problem, state)[0])
     return {
         "inserted": inserted,
         "removed": removed,

@@ -14,7 +14,16 @@ import numpy as np
 from abradem.dem.cache import kernel
 from abradem.dem.counter_random import uniform
 from abradem.dem.plate import plate_distance
-from abradem.dem.state import DONE, FLYING, GONE, NEEDS_ROOM, NOT_YET, STOP_RELEASE, energy_of
+from abradem.dem.state import (
+    DONE,
+    FLYING,
+    GONE,
+    NEEDS_ROOM,
+    NOT_YET,
+    STOP_RELEASE,
+    energy_of,
+    kinetic_energy_of,
+)
 
 TRIES = 100
 """Number of random positions that are tried for a particle before it waits."""
@@ -65,6 +74,7 @@ def _place(problem, state, place, velocity, spin):
     tally.placed += 1
     tally.draws = 0
     tally.energy_in += energy_of(problem, particle, tally.step)
+    tally.kinetic_in += kinetic_energy_of(problem, particle, tally.step)
 
 
 @kernel

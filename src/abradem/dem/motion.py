@@ -27,6 +27,7 @@ from abradem.dem.state import (
     fall,
     fall_speed,
     flight,
+    kinetic_energy_of,
 )
 from abradem.dem.vectors import cross, dot, fma, plus, scaled, split
 
@@ -290,6 +291,7 @@ def remove_if_fallen(problem, particle, tally):
     if not particle.y < problem.removal_height:
         return
     tally.energy_out += energy_of(problem, particle, tally.step)
+    tally.kinetic_out += kinetic_energy_of(problem, particle, tally.step)
     if particle.first_contact == NOT_YET:
         tally.missed += 1
     particle.motion = GONE

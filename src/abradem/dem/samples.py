@@ -12,16 +12,25 @@ import numpy as np
 
 from abradem.dem import islands, synchronous
 from abradem.dem.cache import kernel
-from abradem.dem.energy import resident_energy
+from abradem.dem.energy import energy_present
 from abradem.dem.state import DONE, STOP_ENERGY_GAIN, STOP_NOT_FINITE, STOP_WEAR_NOT_FINITE, WORN
 
 ENERGY_TOLERANCE = 0.02
-"""Energy gain between two samples that ends a case, as a share of the energy inserted."""
+"""Energy gain between two samples that ends a case, as a share of the energy that could move."""
+
+SLOWEST = 1e-6
+"""Speed, m/s, whose kinetic energy per released particle is no gain: it does not wear."""
+
+ROUNDING = 1e-12
+"""Share of the heights of the set-up by which rounding may seem to lift each released particle."""
 
 
-# Energy dissipated up to the latest sample, J. If an energy gain ended the case: the gain since
-# the previous sample, as a share of the energy inserted.
-BALANCE = np.dtype([("dissipated", np.float64), ("gained", np.float64)])
+# At the latest sample, J: energy dissipated so far, energy that moves (kinetic and elastic), and
+# kinetic energy of the particles released so far and removed so far. If an energy gain ended the
+# case: the gain since the previous sample, as a share of the energy that could move.
+BALANCE = np.dtype(
+    [(name, np.float64) for name in ("dissipated", "moving", "released", "removed", "gained")]
+)
 
 
 class Record(NamedTuple):
@@ -87,9 +96,15 @@ def take_samples(problem, schedule, state, agenda, sample_steps, sample, last, r
 
 @kernel
 def _guard(problem, state, balance):
-    """Check that positions and wear are finite and that no energy was gained since last time."""
+    """Check that positions and wear are finite and that no energy was gained since last time.
+
+    What is gained is compared with the energy that could move since the last sample: the kinetic
+    and elastic energy at that time, the kinetic energy of the particles released since, and the
+    potential energy that was set free. So the guard depends neither on what was put in or removed
+    earlier nor on the level that heights are measured from.
+    """
     tally = state.tally[0]
-    resident = resident_energy(problem, state)
+    resident, moving = energy_present(problem, state)
     if not (math.isfinite(resident) and math.isfinite(tally.energy_out)):
         return STOP_NOT_FINITE
     worn = (tally.worn_total, tally.worn_sliding, tally.worn_friction)
@@ -97,8 +112,16 @@ def _guard(problem, state, balance):
         return STOP_WEAR_NOT_FINITE
     dissipated = tally.energy_in - tally.energy_out - resident
     gained = balance.dissipated - dissipated
+    before = balance.moving + tally.kinetic_in - balance.released
+    # By the balance of energy: that before, and the potential energy set free since.
+    after = moving + tally.kinetic_out - balance.removed - gained
+    could_move = max(before, after, 0.0)
     balance.dissipated = dissipated
-    if gained > ENERGY_TOLERANCE * max(tally.energy_in, 0.0) and gained > 0.0:
-        balance.gained = gained / tally.energy_in
+    balance.moving = moving
+    balance.released, balance.removed = tally.kinetic_in, tally.kinetic_out
+    height = abs(problem.patch_height) + abs(problem.removal_height) + problem.radius
+    nothing = problem.mass * (0.5 * SLOWEST**2 + ROUNDING * problem.gravity * height)
+    if gained > ENERGY_TOLERANCE * could_move + tally.placed * nothing:
+        balance.gained = gained / max(could_move, tally.placed * nothing)
         return STOP_ENERGY_GAIN
     return DONE

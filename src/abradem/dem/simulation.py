@@ -135,7 +135,8 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
 def _status(outcome: int | str, record: Record) -> str:
     """Return the status text of a case that ended early."""
     if outcome == STOP_ENERGY_GAIN:
-        return f"energy gain of {100 * record.balance['gained'][0]:.1f} % of the energy put in"
+        gained = 100.0 * record.balance["gained"][0]
+        return f"energy gain of {gained:.3g} % of the energy that moved"
     return outcome if isinstance(outcome, str) else STOP_REASONS[outcome]
 
 

@@ -123,7 +123,8 @@ TALLY = np.dtype(
     + _fields("drift")
     # Largest overlap so far, m.
     + _fields("largest_overlap")
-    + _fields("energy_in energy_out")
+    # Mechanical energy of all particles released and removed, and the kinetic part of it, J.
+    + _fields("energy_in energy_out kinetic_in kinetic_out")
     # Wear of the whole plate for W = 1, J.
     + _fields("worn_total worn_sliding worn_friction")
 )
@@ -272,14 +273,16 @@ def fall_speed(problem, particle, step):
 
 
 @kernel(inline=True)
-def energy_of(problem, particle, step):
-    """Kinetic energy of a particle plus its potential energy above the removal level, J."""
+def kinetic_energy_of(problem, particle, step):
+    """Kinetic energy of a particle, J."""
     vy = fall_speed(problem, particle, step) if particle.motion == FLYING else particle.vy
     speed2 = particle.vx**2 + vy**2 + particle.vz**2
     spin2 = particle.wx**2 + particle.wy**2 + particle.wz**2
+    return 0.5 * problem.mass * speed2 + 0.5 * problem.inertia * spin2
+
+
+@kernel(inline=True)
+def energy_of(problem, particle, step):
+    """Kinetic energy of a particle plus its potential energy above the removal level, J."""
     height = particle.y - problem.removal_height
-    return (
-        0.5 * problem.mass * speed2
-        + 0.5 * problem.inertia * spin2
-        + problem.mass * problem.gravity * height
-    )
+    return kinetic_energy_of(problem, particle, step) + problem.mass * problem.gravity * height

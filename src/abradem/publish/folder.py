@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import datetime
-import hashlib
 import re
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
@@ -16,14 +15,14 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 import pandas as pd
-import pyarrow.parquet as pq
 
 from abradem.publish.card import card
 from abradem.publish.crate import ABOUT, crate
 from abradem.publish.croissant import croissant
 from abradem.publish.description import Description, File
+from abradem.store.checksums import sha256_of
 from abradem.store.files import read_json, write_json, write_text
-from abradem.store.tables import read_table, write_table
+from abradem.store.tables import read_columns, read_table, write_table
 
 DATASET = "dataset.parquet"
 BATCH = re.compile(r"block-(\d+)-batch-(\d+)\.parquet")
@@ -135,19 +134,8 @@ def listed(folder: Path) -> list[File]:
 def _file(path: Path, name: str) -> File:
     columns: tuple[tuple[str, str, str, str], ...] = ()
     if path.suffix == ".parquet":
-        columns = tuple(
-            (field.name, str(field.type), *_words(field.metadata or {}))
-            for field in pq.read_schema(path)
-        )
-    with open(path, "rb") as content:
-        digest = hashlib.file_digest(content, "sha256").hexdigest()
-    return File(name, path.stat().st_size, digest, columns)
-
-
-def _words(metadata: Mapping[bytes, bytes]) -> tuple[str, str]:
-    """Unit and meaning of a column."""
-    unit, meaning = (metadata.get(key, b"").decode("utf-8") for key in (b"units", b"long_name"))
-    return unit, meaning
+        columns = tuple(read_columns(path))
+    return File(name, path.stat().st_size, sha256_of(path), columns)
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -163,7 +151,7 @@ def _partition(table: Path, folder: Path) -> None:
 
 def _add_batch(source: Path, folder: Path, block: str, batch: str) -> None:
     target = folder / source.parent.name / f"block={int(block)}" / f"batch-{batch}.parquet"
-    if "block" in pq.read_schema(source).names:
+    if any(column.name == "block" for column in read_columns(source)):
         _write_part(read_table(source), target)
     else:
         _copy(source, target)

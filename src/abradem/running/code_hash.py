@@ -18,7 +18,8 @@ import abradem
 
 NEUTRAL = {
     "abradem": "names and the version only",
-    "abradem.running.job_log": "reports errors",
+    "abradem.running.job_log": "reports errors and records finished files",
+    "abradem.running.outputs": "records finished files",
     "abradem.running.provenance": "records a run, computes no result",
     "abradem.store": "stores values unchanged, with units and long names",
 }

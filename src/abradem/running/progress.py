@@ -24,7 +24,7 @@ from abradem.simulation.batch import STARTED, finished_cases, resumed_cases
 
 @dataclass(frozen=True)
 class BatchOfCases:
-    """A batch that this run has to simulate.
+    """A batch of cases that the targets of a run need.
 
     Parameters
     ----------
@@ -64,8 +64,6 @@ class Monitor:
 
     Parameters
     ----------
-    total : int
-        Number of cases of the study.
     folder : path
         Folder for a marker file. Results newer than the marker are those of this run.
     stream : text file, optional
@@ -77,13 +75,12 @@ class Monitor:
 
     def __init__(
         self,
-        total: int,
         folder: Path,
         stream: TextIO | None = None,
         beside: str = "snakemake.logging",
     ):
         self.beside = beside
-        self.total = total
+        self.total = 0
         self.folder = Path(folder)
         self._mark = self.folder / "began"
         self.stream = sys.stderr if stream is None else stream
@@ -100,16 +97,19 @@ class Monitor:
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
 
-    def start(self, batches: Mapping[str, BatchOfCases]) -> None:
+    def start(self, batches: Mapping[str, BatchOfCases], total: int) -> None:
         """Start the thread, if there is anything to simulate.
 
         Parameters
         ----------
         batches : mapping of str to BatchOfCases
-            The batches that this run has to simulate; the cases of all others count as done.
+            The batches that this run has to simulate.
+        total : int
+            Number of cases that the targets of the run need; those that are in none of the
+            batches count as done.
         """
         if batches:
-            self.begin(batches)
+            self.begin(batches, total)
             if self.in_place:
                 # The first handler, so that the line is cleared before the message is printed.
                 logging.getLogger(self.beside).handlers.insert(0, self._make_room)
@@ -127,9 +127,10 @@ class Monitor:
                 self._print(self.line(), last=True)
         self._tidy()
 
-    def begin(self, batches: Mapping[str, BatchOfCases]) -> None:
-        """Set the time from which results count as those of this run."""
+    def begin(self, batches: Mapping[str, BatchOfCases], total: int) -> None:
+        """Set the time from which results count as those of this run; see `start`."""
         self._waiting = dict(batches)
+        self.total = total
         self._done = self.total - sum(batch.cases for batch in batches.values())
         self._worked = self._running = 0.0
         self._work = sum(batch.work_of(batch.cases) for batch in batches.values())
@@ -140,7 +141,7 @@ class Monitor:
         self._clock = time.monotonic()
 
     def count(self) -> int:
-        """Number of finished cases of the study."""
+        """Number of finished cases among those that the targets need."""
         running, self._running = 0, 0.0
         for name, batch in list(self._waiting.items()):
             written = _modified(batch.runs)

@@ -3,8 +3,9 @@
 A batch is a pure function of the cases of the block, the set-up and the code, so a study can be
 enlarged without a change of existing results. A fourth table, the processor time of each case,
 depends on the machine. Each finished case is saved immediately, under a name derived from
-everything that determines it. An interrupted batch continues with the saved cases and gives the
-same bytes as an uninterrupted one (except for the times).
+everything that determines it and with the checksums of its files. An interrupted batch continues
+with the saved cases and gives the same bytes as an uninterrupted one (except for the times); a
+saved case that is damaged is simulated again.
 """
 
 from __future__ import annotations
@@ -28,6 +29,9 @@ TABLES = ("series", "maps", "runs")
 
 FILES = ("series", "maps", "times", "runs")
 """Tables saved for a case, in the order of writing: if ``runs`` exists, so do the others."""
+
+SUMS = "sums"
+"""The last file of a saved case, JSON: the SHA-256 of each of its tables."""
 
 
 STARTED = "started"
@@ -132,7 +136,7 @@ def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
         for row, key in zip(rows, keys, strict=True):
             if os.getppid() != parent:
                 raise RuntimeError("the run that started this job is gone; finished cases are kept")
-            paths = {name: finished / f"{key}.{name}.parquet" for name in FILES}
+            paths = _paths(finished, key)
             try:
                 tables = _kept(paths) or _simulated(row, setup, paths)
             except Exception as error:
@@ -160,6 +164,8 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
 
     from abradem.dem import warm
     from abradem.dem.model import Setup
+    from abradem.store.checksums import sha256_of
+    from abradem.store.files import write_json
     from abradem.store.tables import write_table
 
     if not row["rejected"]:
@@ -171,19 +177,32 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     tables["times"] = pd.DataFrame({"case_id": [int(row["case_id"])], "processor_time": [spent]})
     for name in FILES:
         write_table(tables[name], paths[name])
+    write_json({name: sha256_of(paths[name]) for name in FILES}, paths[SUMS])
     return tables
 
 
 def _kept(paths: Mapping) -> dict | None:
-    """Return the tables of a case that was finished before, or None."""
-    from abradem.store.files import TableError
+    """Return the tables of a case that was finished before, or None.
+
+    The checksums are compared because a table with a damaged name or type may still be read.
+    """
+    from abradem.store.checksums import sha256_of
+    from abradem.store.files import TableError, read_json
     from abradem.store.tables import read_table
 
     try:
-        return {name: read_table(paths[name]) for name in reversed(FILES)}
-    except TableError:
-        # Missing, or damaged by a crash of the machine.
+        if read_json(paths[SUMS]) != {name: sha256_of(paths[name]) for name in FILES}:
+            return None
+        return {name: read_table(paths[name]) for name in FILES}
+    except (TableError, OSError):
+        # Missing, damaged by a crash of the machine, or on a bad place of the disk.
         return None
+
+
+def _paths(folder: Path, key: str) -> dict[str, Path]:
+    """Paths of the files of a saved case."""
+    tables = {name: folder / f"{key}.{name}.parquet" for name in FILES}
+    return {**tables, SUMS: folder / f"{key}.{SUMS}.json"}
 
 
 def finished_cases(folder: Path) -> int:
@@ -201,7 +220,7 @@ def resumed_cases(folder: Path) -> int:
 
 def _drop_others(folder: Path, keys: list[str]) -> None:
     """Remove files that belong to none of ``keys``: results of other values or other code."""
-    wanted = {f"{key}.{name}.parquet" for key in keys for name in FILES}
+    wanted = {path.name for key in keys for path in _paths(folder, key).values()}
     for path in folder.iterdir():
         if path.name not in wanted and path.name != STARTED:
             path.unlink()

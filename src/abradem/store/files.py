@@ -16,12 +16,14 @@ from typing import IO, TYPE_CHECKING
 
 import numpy as np
 
+from abradem.store.checksums import remedy
+from abradem.store.errors import DamagedError, TableError, memory_problem
+
 if TYPE_CHECKING:
     import pandas as pd
 
-
-class TableError(ValueError):
-    """A table that cannot be written, read or used; the message is one line per problem."""
+MOST_OF_A_REASON = 300
+"""Longest reason, in characters, of a library that a line repeats."""
 
 
 @contextlib.contextmanager
@@ -78,13 +80,48 @@ def write_json(value, path: str | Path) -> None:
 
 
 def read_json(path: str | Path):
-    """Read a file of `write_json`; raise `TableError` if it is missing or corrupt."""
+    """Read a file of `write_json`; raise `TableError` if it is missing, corrupt or holds NaN."""
     try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise TableError(f"{path}: no such file") from None
-    except ValueError as error:
-        raise TableError(f"{path}: truncated, corrupt or not JSON ({error})") from None
+        text = Path(path).read_text(encoding="utf-8")
+        return json.loads(text, parse_constant=_refused_constant)
+    except (ValueError, RecursionError, OSError) as error:
+        raise unreadable(path, "JSON", error) from None
+
+
+def _refused_constant(name: str):
+    raise ValueError(f"{name} is no number of JSON")
+
+
+def unreadable(path: str | Path, kind: str, error: Exception, part: str = "") -> TableError:
+    """Return the error of one line for a file that cannot be read as ``kind``.
+
+    Parameters
+    ----------
+    path : path-like
+    kind : str
+        What the file should be: Parquet, JSON.
+    error : Exception
+        What the library for this kind raised.
+    part : str
+        The part of a readable file whose values cannot be converted.
+
+    Raises
+    ------
+    MemoryError
+        If the cause is too little memory, and not the file.
+    """
+    if memory_problem(error):
+        raise MemoryError(f"{path}: {error}") from error
+    if isinstance(error, FileNotFoundError):
+        return TableError(f"{path}: no such file")
+    # Errors of the operating system have a number; pyarrow raises OSError for damage too.
+    if isinstance(error, OSError) and error.errno is not None:
+        return TableError(f"{path}: cannot be read ({os.strerror(error.errno)})")
+    reason = " ".join(str(error).split()) or type(error).__name__
+    shown = reason if len(reason) <= MOST_OF_A_REASON else f"{reason[:MOST_OF_A_REASON]}..."
+    if part:
+        return TableError(f"{path}: {part} cannot be converted ({shown}){remedy(path)}")
+    return DamagedError(f"{path}: truncated, corrupt or not {kind} ({shown}){remedy(path)}")
 
 
 def _plain(value):
@@ -121,12 +158,13 @@ def write_arrays(arrays: dict[str, np.ndarray], path: str | Path) -> None:
 
 def read_arrays(path: str | Path) -> dict[str, np.ndarray]:
     """Read arrays; raise `TableError` if the file is missing or damaged."""
-    from safetensors import SafetensorError
     from safetensors.numpy import load_file
 
     try:
+        # safetensors itself words this error in another way.
+        if not Path(path).exists():
+            raise FileNotFoundError(path)
         return load_file(path)
-    except FileNotFoundError:
-        raise TableError(f"{path}: no such file") from None
-    except (SafetensorError, OSError) as error:
-        raise TableError(f"{path}: not a complete safetensors file ({error})") from None
+    except Exception as error:
+        # Apart from its own error, the library raises KeyError for types that numpy lacks.
+        raise unreadable(path, "safetensors", error) from None

@@ -60,6 +60,11 @@ class Lock:
             self._file = None
 
 
+def lock_of_study(study: str, root: str | Path = "") -> Lock:
+    """Return the lock of the runs of a study, by its name and the folder with ``results/``."""
+    return Lock(Path(root, ".snakemake", f"abradem-{study}.lock"))
+
+
 @contextlib.contextmanager
 def locked(path: str | Path) -> Iterator[None]:
     """Hold a lock during a block of code; wait for it if necessary."""

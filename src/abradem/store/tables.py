@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,7 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from abradem.store.columns import COLUMNS, Column
-from abradem.store.files import TableError, read_json, replacing
+from abradem.store.files import TableError, read_json, replacing, unreadable
 
 _ARROW_TYPES = {
     "float64": pa.float64(),
@@ -61,52 +62,82 @@ def write_table(
 
 
 def read_table(path: str | Path, columns: Iterable[str] | None = None) -> pd.DataFrame:
-    """Read a table written by `write_table`; ``columns`` selects columns and their order.
+    """Read a Parquet file; ``columns`` selects columns and their order.
+
+    The columns are those of the file: metadata for pandas, which may turn columns into an index or
+    rename them, are not obeyed.
 
     Raises
     ------
     TableError
-        If the file is missing, truncated, not Parquet, or lacks a column.
+        If the file is missing, truncated, not Parquet, lacks a column, or holds values that have
+        no counterpart in pandas.
     """
-    path = Path(path)
     columns = None if columns is None else list(columns)
     try:
         with open(path, "rb") as source:
             table = pq.ParquetFile(source, page_checksum_verification=True).read()
-            names = table.column_names
-    except FileNotFoundError:
-        raise TableError(f"{path}: no such file") from None
-    except _DAMAGED as error:
-        raise _damaged(path, error) from None
-    if columns is not None:
-        missing = [name for name in columns if name not in names]
-        if missing:
-            raise TableError(f"{path}: lacks column {', '.join(missing)}")
-        table = table.select(columns)
-    return table.to_pandas()
+        names = table.column_names
+    except Exception as error:
+        raise unreadable(path, "Parquet", error) from None
+    for name in columns or []:
+        if names.count(name) > 1:
+            raise TableError(f"{path}: column {name!r} appears twice")
+    missing = [name for name in columns or [] if name not in names]
+    if missing:
+        raise TableError(f"{path}: lacks column {', '.join(missing)}")
+    table = table if columns is None else table.select(columns)
+    table = table.replace_schema_metadata(None)
+    try:
+        return table.to_pandas(ignore_metadata=True)
+    except Exception as error:
+        # Arrow, pandas and the modules of time zones raise errors of many types.
+        raise unreadable(path, "Parquet", error, _unconvertible(table)) from None
+
+
+def _unconvertible(table: pa.Table) -> str:
+    """Return the first column whose values pandas cannot hold, with its type."""
+    for name, field, values in zip(table.column_names, table.schema, table.columns, strict=True):
+        try:
+            values.to_pandas()
+        except Exception:
+            return f"column {name!r} of type {field.type}"
+    return "the columns together"
+
+
+class StoredColumn(NamedTuple):
+    """A column of a Parquet file: name, type, and unit and long name ("" if unknown)."""
+
+    name: str
+    type: str
+    unit: str
+    long_name: str
+
+
+def read_columns(path: str | Path) -> list[StoredColumn]:
+    """Return the columns of a Parquet file, from its schema; raises as `read_table` does."""
+    try:
+        with open(path, "rb") as source:
+            schema = pq.read_schema(source)
+        return [
+            StoredColumn(
+                field.name,
+                str(field.type),
+                *(
+                    (field.metadata or {}).get(key, b"").decode("utf-8")
+                    for key in (b"units", b"long_name")
+                ),
+            )
+            for field in schema
+        ]
+    except Exception as error:
+        # A name or a unit that is not UTF-8 raises only when it is accessed.
+        raise unreadable(path, "Parquet", error) from None
 
 
 def read_units(path: str | Path) -> dict[str, str]:
-    """Return the units of the columns of a table, from the field metadata.
-
-    Raises `TableError` as `read_table` does.
-    """
-    try:
-        return {
-            field.name: (field.metadata or {}).get(b"units", b"").decode("utf-8")
-            for field in pq.read_schema(path)
-        }
-    except _DAMAGED as error:
-        raise _damaged(path, error) from None
-
-
-# A name or a unit that is not valid UTF-8 raises UnicodeDecodeError only when it is accessed.
-_DAMAGED = (pa.ArrowException, OSError, UnicodeDecodeError)
-
-
-def _damaged(path: str | Path, error: Exception) -> TableError:
-    reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-    return TableError(f"{path}: truncated, corrupt or not Parquet ({reason})")
+    """Return the units of the columns of a table; raises as `read_table` does."""
+    return {column.name: column.unit for column in read_columns(path)}
 
 
 def concatenate(frames: Iterable[pd.DataFrame], key: str = "case_id") -> pd.DataFrame:
@@ -158,7 +189,12 @@ def read_result(path: str | Path):
     suffix = Path(path).suffix
     if suffix == ".parquet":
         return read_table(path)
-    return pd.read_csv(path, comment="#") if suffix == ".csv" else read_json(path)
+    if suffix != ".csv":
+        return read_json(path)
+    try:
+        return pd.read_csv(path, comment="#")
+    except (ValueError, OSError) as error:
+        raise unreadable(path, "CSV", error) from None
 
 
 def read_results(paths: Iterable[tuple[str, str | list[str]]]) -> dict:

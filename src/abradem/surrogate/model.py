@@ -24,8 +24,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, quantity
+from abradem.store.checksums import damage, remedy
+from abradem.store.errors import TableError
 from abradem.store.files import read_arrays, read_json
 from abradem.surrogate.groups import Jet, group_columns, squared_impact_speed, wear_scale
+from abradem.surrogate.parts import NETWORKS, PartError, check_arrays, check_description
 
 BLOCK = 4096
 """Number of rows computed at once, few enough for the processor's cache."""
@@ -35,9 +38,6 @@ SECONDS_PER_HOUR = 3600.0
 SLACK = 0.01
 """Share of a training range by which a value may be outside it without a warning: the cases of a
 study do not reach the exact ends of its ranges."""
-
-NETWORKS = ("mean", "spread")
-"""Networks for the logarithm of the wear number and of its standard deviation."""
 
 
 class PredictionError(ValueError):
@@ -148,7 +148,8 @@ class Surrogate:
         Raises
         ------
         PredictionError
-            If a file is missing or damaged.
+            If a file is missing or damaged, or a part of it is missing, of the wrong type or
+            shape, or not finite.
         """
         path = Path(path)
         path = path if path.suffix == ".json" else Path(f"{path}.json")
@@ -159,10 +160,22 @@ class Surrogate:
                 f"{missing}: there is no such file; run the study first (make run), or give the "
                 "surrogate of another study"
             )
+        for file in files:
+            if line := damage(file):
+                raise PredictionError(line)
         try:
-            return cls(read_json(files[0]), read_arrays(files[1]))
-        except (ValueError, KeyError, TypeError, OSError) as error:
-            raise PredictionError(f"{path}: damaged, or not a surrogate ({error!r})") from None
+            description, arrays = read_json(files[0]), read_arrays(files[1])
+        except TableError as error:
+            raise PredictionError(str(error)) from None
+        for file, check, content in zip(
+            files, (check_description, check_arrays), (description, arrays), strict=True
+        ):
+            try:
+                check(content)
+            except PartError as error:
+                line = f"{file}: damaged, or not a surrogate ({error}){remedy(file)}"
+                raise PredictionError(line) from None
+        return cls(description, arrays)
 
     def predict(
         self, values: Mapping[str, ArrayLike], confidence: float | None = None
@@ -186,8 +199,8 @@ class Surrogate:
         Raises
         ------
         PredictionError
-            If a quantity is missing, not a number, or physically impossible, or if the level is
-            higher than the held-out errors can promise.
+            If a quantity is missing, not a number, or physically impossible, if the level is higher
+            than the held-out errors can promise, or if the rate is not a positive number.
         """
         columns = _columns(values, self.jet)
         if confidence is None:
@@ -202,8 +215,18 @@ class Surrogate:
             for place, column in enumerate(group_columns(block, self.jet)):
                 z[:, place] = (column - self.group_mean[place]) / self.group_scale[place]
             mean, spread = (_run(self.layers[name], z).astype(float) for name in NETWORKS)
-            rate[part] = wear_scale(block, self.jet) * np.exp(mean)
-            ratio[part] = np.exp(factor * np.exp(spread))
+            # What overflows is refused below, or makes an interval without an upper end.
+            with np.errstate(over="ignore"):
+                rate[part] = wear_scale(block, self.jet) * np.exp(mean)
+                ratio[part] = np.exp(factor * np.exp(spread))
+        wrong = ~(np.isfinite(rate) & (rate > 0.0))
+        if wrong.any():
+            place = int(np.argmax(wrong))
+            where = "" if rows == 1 else f" in row {place}"
+            raise PredictionError(
+                f"the surrogate gives a wear depth rate of {rate[place]:g} mm/s{where}: the values "
+                "are too far from those that it was trained with, or it is damaged"
+            )
         return Prediction(rate, rate / ratio, rate * ratio, confidence, self._outside(columns))
 
     def _factor(self, confidence: float) -> float:

@@ -15,7 +15,8 @@ import numpy as np
 from abradem.quantities import SAMPLED_NAMES
 from abradem.store.files import replacing
 from abradem.surrogate.groups import group_columns, wear_scale
-from abradem.surrogate.model import NETWORKS, Surrogate
+from abradem.surrogate.model import Surrogate
+from abradem.surrogate.parts import NETWORKS
 
 OPSET = 17
 RATE, DEVIATION = OUTPUTS = ("wear_depth_rate", "log_deviation")

@@ -294,6 +294,47 @@ def test_an_interrupted_search_resumes_to_the_same_end(tmp_path, weights):
     assert Memory(folder, "another").fitness == {}
 
 
+def changed_digit(folder):
+    """Another fitness, in a line that is still JSON."""
+    path = folder / "fitness.jsonl"
+    lines = path.read_text().splitlines(keepends=True)
+    key, fitness, *rest = json.loads(lines[2])
+    path.write_text(
+        "".join([*lines[:2], json.dumps([key, 0.5 * fitness, *rest]) + "\n", *lines[3:]])
+    )
+
+
+def changed_bytes(folder):
+    path = folder / "fitness.jsonl"
+    content = bytearray(path.read_bytes())
+    content[content.index(b"\n") + 9] ^= 0x80
+    path.write_bytes(content)
+
+
+def changed_network(folder):
+    """A flipped bit of a weight, which safetensors does not notice."""
+    path = sorted(folder.glob("*.safetensors"))[0]
+    content = bytearray(path.read_bytes())
+    content[-2] ^= 0x40
+    path.write_bytes(content)
+
+
+def lost_network(folder):
+    sorted(folder.glob("*.safetensors"))[0].unlink()
+
+
+@pytest.mark.parametrize("harm", [changed_digit, changed_bytes, changed_network, lost_network])
+def test_what_is_damaged_of_a_kept_search_is_trained_again(tmp_path, harm):
+    options = SMALL._replace(weights="inherited")
+    whole = search(problem(), options, QUICK, seed=1, memory=Memory(tmp_path / "state", "a"))
+    kept = Memory(tmp_path / "state", "a").fitness
+    harm(tmp_path / "state")
+    left = Memory(tmp_path / "state", "a")
+    assert len(left.fitness) == len(kept) - 1 and left.fitness.items() <= kept.items()
+    resumed = search(problem(), options, QUICK, seed=1, memory=left)
+    assert resumed.history.equals(whole.history) and resumed.fitness == whole.fitness
+
+
 def test_the_lineage_leads_from_the_best_to_the_first_generation():
     found = search(problem(), SMALL, QUICK, seed=3)
     rows = found.history.set_index(["generation", "individual"])

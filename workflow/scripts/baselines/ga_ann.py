@@ -1,13 +1,14 @@
 """Genetic search for the architecture of a network, under one protocol."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.learning.baselines.ga_ann import fit_networks, settings
 from abradem.learning.baselines.genetic import terminal_progress
 from abradem.learning.model_files import write_stage
 from abradem.learning.rows import FEWEST_ROWS, learning_table
-from abradem.running.job_log import log_to
 from abradem.store.tables import read_table
-
-log_to(snakemake.log[0])
 
 table = learning_table(read_table(snakemake.input[0]), **snakemake.params.table, fewest=FEWEST_ROWS)
 protocol = snakemake.wildcards.protocol

@@ -1,11 +1,12 @@
 """The trials of a rung: all, or the best of the rung before."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.calibration.halving import survivors
-from abradem.running.job_log import log_to
 from abradem.store.files import read_json, write_json
 from abradem.store.tables import read_table
-
-log_to(snakemake.log[0])
 
 if snakemake.input.get("scores"):
     scores = read_table(snakemake.input.scores)

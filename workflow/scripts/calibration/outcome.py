@@ -1,15 +1,16 @@
 """The best set-up, what the search cannot tell apart, and an override file."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 import pandas as pd
 
 from abradem.calibration.outcome import outcome, profiles, trial_table
 from abradem.calibration.space import unknowns
-from abradem.running.job_log import log_to
 from abradem.store.columns import CALIBRATION
 from abradem.store.files import read_json, write_json
 from abradem.store.tables import read_table, write_table
-
-log_to(snakemake.log[0])
 
 files, params, made = snakemake.input, snakemake.params, snakemake.output
 drawn = read_json(files.setups)

@@ -1,13 +1,14 @@
 """The calibration in words, and the best set-up as an override file."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.report.calibration import sentences
 from abradem.report.findings import to_html
-from abradem.running.job_log import log_to
 from abradem.running.trial_setups import override_file
 from abradem.store.files import read_json, write_text
 from abradem.store.tables import read_table
-
-log_to(snakemake.log[0])
 
 files, config = snakemake.input, snakemake.params.config
 summary = read_json(files.summary)

@@ -1,13 +1,14 @@
 """Scores of the trials of a rung."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 import pandas as pd
 
 from abradem.calibration.agreement import scored
-from abradem.running.job_log import log_to
 from abradem.store.columns import CALIBRATION
 from abradem.store.tables import read_table, write_table
-
-log_to(snakemake.log[0])
 
 rows = read_table(snakemake.input.rows).set_index("case_id")
 runs = pd.concat([read_table(path) for path in snakemake.input.runs], ignore_index=True)

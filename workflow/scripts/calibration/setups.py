@@ -1,13 +1,14 @@
 """The set-ups of all trials, and the rows of the table in the order of the search."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.calibration.rows import arranged_rows
 from abradem.dataset.external import read_external
-from abradem.running.job_log import log_to
 from abradem.store.columns import CALIBRATION
 from abradem.store.files import write_json
 from abradem.store.tables import write_table
-
-log_to(snakemake.log[0])
 
 params = snakemake.params
 table = read_external(snakemake.input.table, params.columns)

@@ -1,12 +1,13 @@
 """Rows of the table simulated under one set-up."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.calibration.trials import run_place
-from abradem.running.job_log import log_to
 from abradem.store.columns import CALIBRATION
 from abradem.store.files import read_json
 from abradem.store.tables import read_table, write_table
-
-log_to(snakemake.log[0])
 
 runs = run_place(
     chosen=read_json(snakemake.input.chosen),

@@ -1,10 +1,11 @@
 """The data set, one row for each successful case."""
 
-from abradem.dataset.join import check, check_failures, join
-from abradem.running.job_log import log_to
-from abradem.store.tables import concatenate, read_table, write_table
+from abradem.running.job_log import start_job
 
-log_to(snakemake.log[0])
+start_job(snakemake)
+
+from abradem.dataset.join import check, check_failures, join
+from abradem.store.tables import concatenate, read_table, write_table
 
 dataset, failures = join(
     read_table(snakemake.input.cases),

@@ -1,10 +1,11 @@
 """The data set from an external table."""
 
-from abradem.dataset.external import read_external
-from abradem.running.job_log import log_to
-from abradem.store.tables import write_table
+from abradem.running.job_log import start_job
 
-log_to(snakemake.log[0])
+start_job(snakemake)
+
+from abradem.dataset.external import read_external
+from abradem.store.tables import write_table
 
 params = snakemake.params
 found = read_external(snakemake.input[0], params.columns, params.damping_coefficient)

@@ -1,10 +1,11 @@
 """The cases that are not in the data set, with the reasons."""
 
-from abradem.dataset.join import join
-from abradem.running.job_log import log_to
-from abradem.store.tables import concatenate, read_table, write_table
+from abradem.running.job_log import start_job
 
-log_to(snakemake.log[0])
+start_job(snakemake)
+
+from abradem.dataset.join import join
+from abradem.store.tables import concatenate, read_table, write_table
 
 _, failures = join(
     read_table(snakemake.input.cases),

@@ -1,13 +1,14 @@
 """A figure, by the function of `abradem.figures` that the catalogue names."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from importlib import import_module
 from pathlib import Path
 
 from abradem.figures import style
-from abradem.running.job_log import log_to
 from abradem.store.tables import read_results
-
-log_to(snakemake.log[0])
 
 module, function = snakemake.params.draw.split(":")
 draw = getattr(import_module(f"abradem.figures.{module}"), function)

@@ -1,11 +1,12 @@
 """The scores and predictions of all models, and their comparison."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.learning.comparison import beside_paper, compare, join_tables
 from abradem.learning.model_files import write_stage
-from abradem.running.job_log import log_to
 from abradem.store.tables import read_table
-
-log_to(snakemake.log[0])
 
 scores = join_tables([read_table(path) for path in snakemake.input.scores])
 predictions = join_tables([read_table(path) for path in snakemake.input.predictions])

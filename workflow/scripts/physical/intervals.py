@@ -1,13 +1,14 @@
 """Prediction intervals of the Gaussian process, calibrated and tested on held-out rows."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.intervals import calibrate
 from abradem.learning.physical.problem import problem
-from abradem.running.job_log import log_to
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
-
-log_to(snakemake.log[0])
 
 jet = jet_of(snakemake.params.setup)
 given = problem(read_table(snakemake.input[0]), jet, **snakemake.params.table)

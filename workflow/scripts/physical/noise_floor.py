@@ -1,11 +1,12 @@
 """The largest R2 that any model could reach."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.noise_floor import noise_floor
-from abradem.running.job_log import log_to
 from abradem.store.tables import concatenate, read_table
-
-log_to(snakemake.log[0])
 
 per_case, summary = noise_floor(
     concatenate(map(read_table, snakemake.input.replicates)),

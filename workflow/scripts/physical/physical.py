@@ -1,14 +1,15 @@
 """Power law, Gaussian process, boosting and ensemble of networks on dimensionless groups."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.models import fit_physical, makers
 from abradem.learning.physical.problem import problem
 from abradem.learning.rows import FEWEST_ROWS
-from abradem.running.job_log import log_to
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
-
-log_to(snakemake.log[0])
 
 jet = jet_of(snakemake.params.setup)
 given = problem(read_table(snakemake.input[0]), jet, **snakemake.params.table, fewest=FEWEST_ROWS)

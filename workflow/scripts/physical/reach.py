@@ -1,14 +1,15 @@
 """Learning curves, extrapolation, and scores for all wear rates."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.models import BOOSTING, POWER_LAW, PROCESS, all_targets, makers
 from abradem.learning.physical.problem import problem
 from abradem.learning.physical.reach import extrapolate, learning_curve
-from abradem.running.job_log import log_to
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
-
-log_to(snakemake.log[0])
 
 dataset = read_table(snakemake.input[0])
 jet = jet_of(snakemake.params.setup)

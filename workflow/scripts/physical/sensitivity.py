@@ -1,15 +1,16 @@
 """Sensitivity of the wear to the sampled quantities."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.problem import problem
 from abradem.learning.physical.sensitivity import partial_dependence, permutation, sobol, verdict
-from abradem.running.job_log import log_to
 from abradem.store.files import read_arrays
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
-
-log_to(snakemake.log[0])
 
 jet = jet_of(snakemake.params.setup)
 given = problem(read_table(snakemake.input.dataset), jet, **snakemake.params.table)

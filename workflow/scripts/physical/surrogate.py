@@ -1,15 +1,16 @@
 """The surrogate for `abradem predict`, and its scores."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.distil import Settings, evaluate_surrogate, surrogate_of
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.problem import problem
-from abradem.running.job_log import log_to
 from abradem.store.files import read_arrays, read_json
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
-
-log_to(snakemake.log[0])
 
 jet = jet_of(snakemake.params.setup)
 given = problem(read_table(snakemake.input.dataset), jet, **snakemake.params.table)

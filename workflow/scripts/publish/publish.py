@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
-from abradem.publish.folder import Study, publish
-from abradem.running.job_log import log_to
-
-log_to(snakemake.log[0])
+from abradem.running.job_log import start_job
 
 folder = Path(snakemake.output[0]).parent
+start_job(snakemake, folder)
+
+from abradem.publish.folder import Study, publish
+
 publish(folder, folder.parent, snakemake.input, Study(**snakemake.params.study))

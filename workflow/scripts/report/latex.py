@@ -1,13 +1,14 @@
 """Tables and numbers for a LaTeX text."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.report import latex
-from abradem.running.job_log import log_to
 from abradem.store.files import write_text
 from abradem.store.tables import read_result
 from abradem.verification.results_page import PARTS
 from abradem.words.labels import MODELS
-
-log_to(snakemake.log[0])
 
 study = snakemake.params.study
 results = latex.CitedResults(

@@ -1,16 +1,17 @@
 """The film of plates side by side, and its last frame."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 import matplotlib.image
 
 from abradem.dem.model import Setup
 from abradem.figures.film import Shot, frames
 from abradem.report.movie import require_encoder, write_movie
-from abradem.running.job_log import log_to
 from abradem.store.files import replacing
 from abradem.store.tables import read_table
 from abradem.wear.depths import depth_frames
-
-log_to(snakemake.log[0])
 
 require_encoder()
 setup = Setup.from_dict(snakemake.params.setup)

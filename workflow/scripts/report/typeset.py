@@ -1,8 +1,9 @@
 """The example paper with the tables, numbers and figures of a study."""
 
-from abradem.report.typeset import typeset
-from abradem.running.job_log import log_to
+from abradem.running.job_log import start_job
 
-log_to(snakemake.log[0])
+start_job(snakemake)
+
+from abradem.report.typeset import typeset
 
 typeset(snakemake.input.text, snakemake.params.folder, snakemake.output[0])

@@ -1,11 +1,12 @@
 """Snapshots of a case for ParaView."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.dem.model import Setup
 from abradem.report.vtk import case_values, write_vtk
-from abradem.running.job_log import log_to
 from abradem.store.tables import concatenate, read_table
-
-log_to(snakemake.log[0])
 
 case = snakemake.params.case
 if case is None:

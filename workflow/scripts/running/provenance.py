@@ -1,9 +1,10 @@
 """The resolved configuration, versions, seed and code hashes of the run."""
 
-from abradem.running.job_log import log_to
-from abradem.running.provenance import write_provenance
+from abradem.running.job_log import start_job
 
-log_to(snakemake.log[0])
+start_job(snakemake)
+
+from abradem.running.provenance import write_provenance
 
 write_provenance(
     snakemake.params.config,

@@ -1,13 +1,14 @@
 """The rules of the workflow and their dependencies."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from pathlib import Path
 
-from abradem.running.job_log import log_to
 from abradem.running.rule_graph import rule_graph
 from abradem.store.columns import RULE_GRAPH
 from abradem.store.tables import write_table
-
-log_to(snakemake.log[0])
 
 graph = rule_graph(
     Path(snakemake.params.snakefile),

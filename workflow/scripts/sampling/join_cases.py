@@ -1,8 +1,9 @@
 """The cases of all blocks in one table."""
 
-from abradem.running.job_log import log_to
-from abradem.store.tables import concatenate, read_table, write_table
+from abradem.running.job_log import start_job
 
-log_to(snakemake.log[0])
+start_job(snakemake)
+
+from abradem.store.tables import concatenate, read_table, write_table
 
 write_table(concatenate(map(read_table, snakemake.input)), snakemake.output[0])

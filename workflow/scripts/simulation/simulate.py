@@ -1,10 +1,11 @@
 """The simulations of one batch of cases."""
 
-from abradem.running.job_log import log_to
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.simulation.batch import FILES, run_batch
 from abradem.store.tables import read_table
-
-log_to(snakemake.log[0])
 
 start, stop = snakemake.params.rows
 run_batch(

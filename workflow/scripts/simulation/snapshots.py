@@ -1,13 +1,14 @@
 """Snapshots of one case at regular intervals."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from pathlib import Path
 
 from abradem.dem.model import Case, Setup
-from abradem.running.job_log import log_to
 from abradem.simulation.snapshots import write_snapshots
 from abradem.store.tables import concatenate, read_table
-
-log_to(snakemake.log[0])
 
 cases = concatenate(map(read_table, snakemake.input)).set_index("case_id")
 write_snapshots(

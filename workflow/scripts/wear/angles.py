@@ -1,12 +1,13 @@
 """Wear depth against time for several plate angles and factory angles."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.dem.model import Setup
-from abradem.running.job_log import log_to
 from abradem.store.columns import ANGLES
 from abradem.store.tables import write_table
 from abradem.wear.angles import depth_by_angle
-
-log_to(snakemake.log[0])
 
 curves, rates = depth_by_angle(
     snakemake.params.case, Setup.from_dict(snakemake.params.setup), **snakemake.params.options

@@ -1,10 +1,11 @@
 """Some cases simulated again with other seeds."""
 
-from abradem.running.job_log import log_to
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.store.tables import read_table, write_table
 from abradem.wear.replicates import choose_cases, replicate
-
-log_to(snakemake.log[0])
 
 cases = choose_cases(read_table(snakemake.input[0]), snakemake.params.cases)
 part, parts = snakemake.params.part

@@ -1,11 +1,12 @@
 """The wear rates of one batch."""
 
+from abradem.running.job_log import start_job
+
+start_job(snakemake)
+
 from abradem.dem.model import Setup
-from abradem.running.job_log import log_to
 from abradem.store.tables import read_table, write_table
 from abradem.wear.rates import wear_rates
-
-log_to(snakemake.log[0])
 
 tables = {name: read_table(snakemake.input[name]) for name in ("series", "maps", "runs", "cases")}
 rates = wear_rates(

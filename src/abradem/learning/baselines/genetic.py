@@ -48,7 +48,8 @@ from abradem.learning.network import (
     train,
 )
 from abradem.learning.scores import r2
-from abradem.store.files import read_arrays, replacing, write_arrays
+from abradem.store.checksums import sha256_of
+from abradem.store.files import read_arrays, write_arrays, write_text
 
 SELECTIONS = ("tournament", "roulette")
 FAILED = -1e9
@@ -163,42 +164,61 @@ class Memory:
         if not self.fitness:
             shutil.rmtree(self.folder, ignore_errors=True)
         # Rewritten, as the last line may be incomplete.
-        lines = [{"fingerprint": fingerprint}, *([k, v] for k, v in self.fitness.items())]
-        with replacing(self._file) as sink:
-            sink.write("".join(json.dumps(line) + "\n" for line in lines).encode())
+        head = json.dumps({"fingerprint": fingerprint}) + "\n"
+        write_text(head + "".join(map(self._line, self.fitness)), self._file)
 
     def _read(self, fingerprint: str) -> dict[str, float]:
         """Fitness values of an interrupted search with the same fingerprint."""
         found: dict[str, float] = {}
         with contextlib.suppress(FileNotFoundError, ValueError, TypeError, KeyError):
-            with open(self._file, encoding="utf-8") as file:
+            with open(self._file, encoding="utf-8", errors="replace") as file:
                 if json.loads(file.readline())["fingerprint"] == fingerprint:
                     for line in file:
-                        key, value = json.loads(line)
-                        found[key] = value
+                        # What is damaged is trained again.
+                        with contextlib.suppress(OSError, ValueError, TypeError, RecursionError):
+                            *entry, seal = json.loads(line)
+                            key, value, network = entry
+                            whole = network == "" or network == self._sha256(key)
+                            if whole and seal == _seal(entry):
+                                found[key] = value
         return found
+
+    def _sha256(self, key: str) -> str:
+        """Checksum of the stored network of a key."""
+        return sha256_of(self._network_file(key))
+
+    def _network_file(self, key: str) -> Path:
+        return Path(self.folder or "", f"{key}.safetensors")
 
     def add(self, key: str, fitness: float, network: Network | None) -> None:
         """Store a fitness and, if children may inherit them, the weights."""
         if network is not None:
             self._networks[key] = network
             if self.folder is not None:
-                write_arrays(network.arrays(), self.folder / f"{key}.safetensors")
+                write_arrays(network.arrays(), self._network_file(key))
         self.fitness[key] = fitness
         if self.folder is not None:
-            self._write([key, fitness])
+            with open(self._file, "a", encoding="utf-8") as file:
+                file.write(self._line(key))
 
     def network(self, key: str) -> Network | None:
         """Stored network of a key; None for the empty key."""
         if not key:
             return None
         if key not in self._networks and self.folder is not None:
-            self._networks[key] = network_of(read_arrays(self.folder / f"{key}.safetensors"))
+            self._networks[key] = network_of(read_arrays(self._network_file(key)))
         return self._networks[key]
 
-    def _write(self, line) -> None:
-        with open(self._file, "a", encoding="utf-8") as file:
-            file.write(json.dumps(line) + "\n")
+    def _line(self, key: str) -> str:
+        """Line of a key: fitness, checksum of the stored network ("": none), and a seal."""
+        stored = self._network_file(key).is_file()
+        entry = [key, self.fitness[key], self._sha256(key) if stored else ""]
+        return json.dumps([*entry, _seal(entry)]) + "\n"
+
+
+def _seal(entry: list) -> str:
+    """Checksum of the other entries of a line."""
+    return hashlib.sha256(json.dumps(entry).encode()).hexdigest()[:16]
 
 
 def search(

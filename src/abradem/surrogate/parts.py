@@ -1,0 +1,157 @@
+"""Checks of the two files of a surrogate when it is loaded: all parts, of the right type and size.
+
+A surrogate is copied and sent; a part that is missing, of another version or damaged would give a
+wrong number or an error far from its cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from abradem.quantities import SAMPLED
+from abradem.surrogate.groups import GROUP_NAMES, Jet
+
+NETWORKS = ("mean", "spread")
+"""Networks for the logarithm of the wear number and of its standard deviation."""
+
+UNIT = "mm/s"
+"""Unit of the wear depth rate, that of `abradem.surrogate.groups.wear_scale`."""
+
+
+class PartError(ValueError):
+    """A part of a surrogate is missing or wrong; the message is one line."""
+
+
+def check_description(description: Any) -> None:
+    """Check the content of the JSON file; raise `PartError` with the first fault.
+
+    Parameters
+    ----------
+    description : object
+        What the file holds, of any type.
+    """
+    _typed(description, Mapping, "the content", "an object")
+    if description.get("kind") != "surrogate":
+        raise PartError(f"kind = {description.get('kind')!r} must be 'surrogate'")
+    groups = _part(description, "groups", list, "a list")
+    if groups != list(GROUP_NAMES):
+        raise PartError(f"groups = {_shown(groups)} must be {', '.join(GROUP_NAMES)}")
+    target = _part(description, "target", Mapping, "an object")
+    if not _part(target, "name", str, "text", "target."):
+        raise PartError("target.name is empty")
+    if _part(target, "unit", str, "text", "target.") != UNIT:
+        raise PartError(f"target.unit = {target['unit']!r} must be {UNIT!r}")
+    _check_jet(_part(description, "jet", Mapping, "an object"))
+    _check_features(_part(description, "features", list, "a list"))
+
+
+def _check_jet(jet: Mapping) -> None:
+    if set(jet) != set(Jet._fields):
+        raise PartError(f"jet has {_shown(sorted(jet))}, must have {', '.join(Jet._fields)}")
+    rates = [name for name in ("mass_rate", "number_rate") if jet[name] is not None]
+    if len(rates) != 1:
+        raise PartError("jet must have either mass_rate or number_rate")
+    for name in ("fall_height", "gravity"):
+        if not _number(jet[name], f"jet.{name}") >= 0.0:
+            raise PartError(f"jet.{name} = {jet[name]!r} must not be negative")
+    for name in (*rates, "plate_area", "patch_area"):
+        if not _number(jet[name], f"jet.{name}") > 0.0:
+            raise PartError(f"jet.{name} = {jet[name]!r} must be positive")
+
+
+def _check_features(features: list) -> None:
+    names = []
+    units = {row.name: row.unit for row in SAMPLED}
+    for place, feature in enumerate(features):
+        at = f"features[{place}]"
+        _typed(feature, Mapping, at, "an object")
+        name = _part(feature, "name", str, "text", f"{at}.")
+        if name not in units:
+            raise PartError(f"{at}.name = {name!r} is no quantity")
+        names.append(name)
+        unit = _part(feature, "unit", str, "text", f"{at}.")
+        if unit != units[name]:
+            raise PartError(f"{at}.unit = {unit!r} of {name} must be {units[name]!r}")
+        ends = _part(feature, "training_range", list, "a list", f"{at}.")
+        if len(ends) != 2:
+            raise PartError(f"{at}.training_range has {len(ends)} numbers, must have 2")
+        low, high = (_number(end, f"{at}.training_range") for end in ends)
+        if low > high:
+            raise PartError(f"{at}.training_range = {_shown(ends)} is not in order")
+    missing = [name for name in units if name not in names]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if missing or twice:
+        raise PartError(
+            f"features lack {', '.join(missing)}" if missing else f"features name {twice[0]} twice"
+        )
+
+
+def check_arrays(arrays: Mapping[str, np.ndarray]) -> None:
+    """Check the content of the safetensors file; raise `PartError` with the first fault."""
+    width = len(GROUP_NAMES)
+    for name in ("group_mean", "group_scale"):
+        _array(arrays, name, (width,))
+    if not (arrays["group_scale"] > 0.0).all():
+        raise PartError("group_scale must be positive")
+    scores = _array(arrays, "conformal", (None,))
+    if not len(scores) or (scores < 0.0).any():
+        raise PartError("conformal must hold scores that are not negative, at least one")
+    for network in NETWORKS:
+        count = sum(name.startswith(f"{network}_weights_") for name in arrays)
+        if not count:
+            raise PartError(f"{network}_weights_0 is missing")
+        inputs = width
+        for place in range(count):
+            weights = _array(arrays, f"{network}_weights_{place}", (inputs, None))
+            inputs = weights.shape[1]
+            _array(arrays, f"{network}_biases_{place}", (inputs,))
+        if inputs != 1:
+            raise PartError(f"{network}_weights_{count - 1} has {inputs} outputs, must have 1")
+
+
+def _array(arrays: Mapping, name: str, shape: tuple[int | None, ...]) -> np.ndarray:
+    """The array of a name, checked; None in the shape is any length."""
+    if name not in arrays:
+        raise PartError(f"{name} is missing")
+    array = arrays[name]
+    if array.dtype.kind != "f":
+        raise PartError(f"{name} has type {array.dtype}, must be floating-point numbers")
+    fits = array.ndim == len(shape) and all(
+        asked in (None, found) for asked, found in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        asked = ", ".join("any" if length is None else str(length) for length in shape)
+        raise PartError(f"{name} has shape {array.shape}, must have ({asked})")
+    if not np.isfinite(array).all():
+        raise PartError(f"{name} has values that are not finite")
+    return array
+
+
+def _part(parent: Mapping, name: str, kind: type, words: str, above: str = "") -> Any:
+    if name not in parent:
+        raise PartError(f"{above}{name} is missing")
+    return _typed(parent[name], kind, f"{above}{name}", words)
+
+
+def _typed(value: Any, kind: type, name: str, words: str) -> Any:
+    if not isinstance(value, kind):
+        raise PartError(f"{name} = {_shown(value)} must be {words}")
+    return value
+
+
+def _number(value: Any, name: str) -> float:
+    try:
+        number = float("nan") if isinstance(value, bool | str) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = float("nan")
+    if not np.isfinite(number):
+        raise PartError(f"{name} = {_shown(value)} must be a finite number")
+    return number
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:80]}..."
