@@ -1,3 +1,4 @@
+import json
 import os
 import re
 import sys
@@ -7,6 +8,7 @@ from pathlib import Path
 from abradem.config import (
     ConfigError,
     load_config,
+    read_config,
     sampled_ranges,
     setup_dict,
     to_yaml,
@@ -30,21 +32,27 @@ def file_of_workflow(path):
     )
 
 
-try:
-    # Override files of the command line come last, in the order in which they were merged. A
-    # module gets its configuration from the importing workflow, not from files of its own.
-    CONFIG = load_config(
-        config,
-        (
-            ()
-            if IN_MODULE
-            else sorted(
-                workflow.configfiles,
-                key=lambda path: path in workflow.overwrite_configfiles,
-            )
-        ),
-        "config of the module" if IN_MODULE else "command line",
+def configuration():
+    """The configuration, from the texts of the files and of the command line.
+
+    They are read again, as Snakemake turns some words into other values without a message. A
+    module gets its configuration from the importing workflow.
+    """
+    if IN_MODULE:
+        return load_config(config, "config of the module")
+    settings = workflow.config_settings
+    # Override files of the command line come last, in the order in which they are merged.
+    overrides = workflow.overwrite_configfiles
+    files = [] if settings.replace_workflow_config else workflow.configfiles
+    return read_config(
+        *(path for path in files if path not in overrides),
+        *overrides,
+        command_line=settings.config_args or (),
     )
+
+
+try:
+    CONFIG = configuration()
 except ConfigError as error:
     sys.exit(str(error))
 

@@ -21,7 +21,10 @@ rule rule_graph:
             *(
                 []
                 if SIMULATED
-                else ["--config", f"dataset={{external: {CONFIG.dataset.external}}}"]
+                else [
+                    "--config",
+                    f"dataset={{external: {json.dumps(CONFIG.dataset.external)}}}",
+                ]
             ),
         ],
         rules=files_hash(*WORKFLOW_FILES),

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchem
 
 from abradem import quantities
 from abradem.config.batches import batches_of_block
+from abradem.config.scalars import number_meant, written, yaml_float
 from abradem.quantities import SAMPLED, STATISTICS, WEAR_MEASURES, Quantity
 from abradem.words.labels import LABELS
 
@@ -38,7 +39,7 @@ def _range_field(row: Quantity) -> tuple[Any, Any]:
         if len(bounds) != 2:
             raise ValueError("must be one number or two, [lower bound, upper bound]")
         for bound in bounds:
-            _require_number(bound)
+            _require_number(bound, low, high)
             if not low <= bound <= high:
                 raise ValueError(f"{number_text(bound)} is out of range{_unit_slip(row, bounds)}")
         if bounds[0] > bounds[1]:
@@ -61,15 +62,6 @@ def interval_text(low: float, high: float, unit: str = "", above: bool = False) 
 
 def number_text(value: float) -> str:
     return str(value) if isinstance(value, int) else yaml_float(f"{value:g}")
-
-
-def yaml_float(text: str) -> str:
-    """Return the text of a number as YAML 1.1 needs it: 1e-10 is read as text, 1.0e-10 is not."""
-    mantissa, e, exponent = text.partition("e")
-    if not e:
-        return text
-    sign = "" if exponent[0] in "+-" else "+"
-    return f"{mantissa}{'' if '.' in mantissa else '.0'}e{sign}{exponent}"
 
 
 def _from_si(row: Quantity, value: float) -> float:
@@ -96,26 +88,49 @@ def _unit_slip(row: Quantity, bounds: Sequence[float]) -> str:
     return f"; the key is in {row.config_unit}, for values in {row.unit} write [{meant}]"
 
 
-def _require_number(value: Any) -> None:
+def _require_number(value: Any, low: float, high: float) -> None:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(not_a_number(value, "number"))
+        raise ValueError(not_a_number(value, "a number", low, high))
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError("must be a finite number")
 
 
-def not_a_number(value: Any, wanted: str) -> str:
-    """Return why ``value`` is not a number, with a hint if it is text that looks like one."""
-    if isinstance(value, str):
-        try:
-            number = float(value)
-        except ValueError:
-            pass
-        else:
-            if math.isfinite(number) and "e" in value.lower():
-                written = yaml_float(value.strip().lower())
-                return f"must be a {wanted}; YAML reads this as text, write {written}"
-            return f"must be a {wanted}, not text; write it without quotes"
-    return f"must be a {wanted}"
+def not_a_number(
+    value: Any, wanted: str, low: float = -math.inf, high: float = math.inf, above: bool = False
+) -> str:
+    """Return why ``value`` is not a number, with a hint if it looks like one.
+
+    The number of the hint is accepted: it is within the bounds, and YAML reads it as a number.
+
+    Parameters
+    ----------
+    value
+    wanted : str
+        ``a number``, ``a whole number`` or ``auto or a whole number``.
+    low, high : float
+        Bounds of the key.
+    above : bool
+        Whether the lower bound itself is not allowed.
+    """
+    whole = "whole" in wanted
+    if isinstance(value, float) and whole and value.is_integer():
+        meant: int | float | None = int(value)
+    else:
+        meant = number_meant(value) if isinstance(value, str) else None
+    if meant is None:
+        if isinstance(value, str) and number_meant(value.replace(",", ".", 1)) is not None:
+            return f"must be {wanted}, with a decimal point instead of a comma"
+        return f"must be {wanted}"
+    if not low <= meant <= high or (above and meant == low):
+        return f"must be {wanted} in the allowed range"
+    if whole and not isinstance(meant, int):
+        return f"must be {wanted}"
+    if not isinstance(value, str):
+        return f"must be {wanted}; write {meant}"
+    same = value.strip() == written(meant, isinstance(meant, int))
+    if same:
+        return f"must be {wanted}, not text; write it without quotes"
+    return f"must be {wanted}; YAML reads this as text, write {written(meant, whole)}"
 
 
 _FIELDS: dict[str, Any] = {row.config_key: _range_field(row) for row in SAMPLED}
@@ -276,7 +291,7 @@ def _check_cases_per_job(value: Any) -> str | int:
     if value == "auto":
         return value
     if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError("must be auto or a whole number")
+        raise ValueError(not_a_number(value, "auto or a whole number", 1, 100_000))
     if not 1 <= value <= 100_000:
         raise ValueError("is out of range")
     return value
@@ -725,7 +740,7 @@ class Publish(Section):
 
 
 class Config(Section):
-    """A study. `load_config` also checks conditions that involve several keys."""
+    """A study. `read_config` also checks conditions that involve several keys."""
 
     study: str = _key(
         ...,

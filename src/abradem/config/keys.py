@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from abradem.config.declaration import yaml_float
+from abradem.config.scalars import yaml_float
 
 COMMAND_LINE = "command line"
 """Origin that is reported instead of a file for a value from ``--config``."""
@@ -76,6 +76,13 @@ def show(value: Any) -> str:
     else:
         text = json.dumps(value, default=str)
     return text if len(text) <= _SHOWN else text[: _SHOWN - 4] + " ..."
+
+
+def shown_word(text: str) -> str:
+    """Return a word of a file in one short line, as it is written."""
+    line = "".join(char if char.isprintable() else " " for char in text)
+    line = " ".join(line.split())
+    return line if len(line) <= _SHOWN else line[: _SHOWN - 4] + " ..."
 
 
 def shown_path(path: Path) -> str:
