@@ -619,6 +619,74 @@ def test_plain_numbers_are_as_they_are_read(write, text):
     assert getattr(config.sampling.ranges, key)[0] == float(text)
 
 
+CONTROL = [
+    "a\x07b",
+    "a\nb",
+    "a\tb",
+    "a\x00b",
+    "a\x1b[2Kb",
+    "a\x85b",
+    "a\u2028b",
+    "a\u202eb",
+    "\x7f",
+]
+FREE_TEXT = [
+    lambda text: {"publish": {"title": text}},
+    lambda text: {"publish": {"creators": ["Ada", text]}},
+    lambda text: {"dataset": {"external": text}},
+    lambda text: {"dataset": {"external": "t.csv", "columns": {"plate_angle": text}}},
+    lambda text: {"dataset": {"external": "t.csv", "columns": {"plate_angle": ["slope", text]}}},
+    lambda text: {"dataset": {"external": "t.csv", "columns": {text: "slope"}}},
+]
+
+
+@pytest.mark.parametrize("at", range(len(FREE_TEXT)))
+@pytest.mark.parametrize("text", [*CONTROL, " ", ""])
+def test_control_characters_and_nothing_are_no_name(text, at):
+    with pytest.raises(ConfigError) as error:
+        load_config({"study": "a", **FREE_TEXT[at](text)})
+    (line,) = error.value.problems
+    code = next((f"U+{ord(char):04X}" for char in text if char not in "ab "), None)
+    assert line.isprintable()
+    assert f"contains the control character {code}" in line if code else "must " in line
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Wear by {DEM}", "水 & Müller", "a_b_", "zero\u200dwidth", "\u00a0 no break", "x: y #z"],
+)
+@pytest.mark.parametrize("at", range(len(FREE_TEXT)))
+def test_any_other_text_is_kept_as_it_is(write, text, at):
+    config = load_config({"study": "a", **FREE_TEXT[at](text)})
+    assert read_config(write(to_yaml(config), "resolved.yaml")) == config
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "problem"),
+    [
+        ("creators", [], "must not be empty"),
+        ("creators", [""], "must not be empty"),
+        ("date", "2026-02-30", "there is no such day"),
+        ("date", "2025-02-29", "there is no such day"),
+        ("date", "0000-01-01", "there is no such day"),
+        ("date", "2026-13-01", "has the wrong form"),
+        ("date", "١٩٩٩-01-01", "has the wrong form"),
+        ("version", "1.0", "has the wrong form"),
+        ("version", "1.0.١", "has the wrong form"),
+        ("url", "http://example.org", "has the wrong form"),
+        ("url", "https://example.org/a b", "has the wrong form"),
+        ("url", "https://example.org/{a}", "has the wrong form"),
+        ("url", "https://example.org/<a>", "has the wrong form"),
+        ("url", "https://example.org/a\\b", "has the wrong form"),
+    ],
+)
+def test_metadata_that_an_archive_would_refuse_are_refused_at_the_start(key, value, problem):
+    with pytest.raises(ConfigError) as error:
+        load_config({"study": "a", "publish": {key: value}})
+    (line,) = error.value.problems
+    assert f": {problem}" in line
+
+
 def test_missing_key_belongs_to_the_first_file(write):
     with pytest.raises(ConfigError, match=r"^config\.yaml: study: \(missing\): is required"):
         read_config(write("seed: 1\n"), write("sampling:\n  blocks: 1\n", "overlay.yaml"))

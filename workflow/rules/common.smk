@@ -22,6 +22,7 @@ from abradem.running.provenance import versions
 from abradem.running.run_times import run_times
 from abradem.store.files import read_json
 from abradem.store.locks import Lock
+from abradem.words.escaping import data_for_rst
 
 
 def file_of_workflow(path):
@@ -76,6 +77,11 @@ def code_of(script, *modules):
 
 BLOCKS = range(CONFIG.sampling.blocks)
 BATCHES = CONFIG.batches
+
+
+def verbatim(value):
+    """A parameter with text from outside, in which braces are no wildcards of Snakemake."""
+    return lambda wildcards: value
 
 
 def batch_paths(pattern):
@@ -254,13 +260,14 @@ RUN_LOCK = Lock(Path(".snakemake", f"abradem-{CONFIG.study}.lock"))
 
 MONITOR = Monitor(CONFIG.cases, Path(RESULTS, ".finished"))
 
-# Content of the overview of the report, available once the results exist.
+# Content of the overview of the report, available once the results exist. Its texts are escaped, as
+# templates put them into reStructuredText.
 SUMMARY = Path(RESULTS, "summary.json")
 VERSIONS = Path(RESULTS, "versions.json")
-config["summary"] = read_json(SUMMARY) if SUMMARY.is_file() else {}
-config["recorded"] = read_json(VERSIONS) if VERSIONS.is_file() else {}
-config["run_times"] = run_times(Path(RESULTS, "benchmarks"))
-config["resolved"] = CONFIG.model_dump(mode="json")
+config["summary"] = data_for_rst(read_json(SUMMARY)) if SUMMARY.is_file() else {}
+config["recorded"] = data_for_rst(read_json(VERSIONS)) if VERSIONS.is_file() else {}
+config["run_times"] = data_for_rst(run_times(Path(RESULTS, "benchmarks")))
+config["resolved"] = data_for_rst(CONFIG.model_dump(mode="json"))
 
 
 wildcard_constraints:

@@ -15,9 +15,6 @@ except TableError as error:
 
 rule dataset:
     """The data set from an external table."""
-    input:
-        # Braces in the path are not wildcards.
-        EXTERNAL.replace("{", "{{").replace("}", "}}"),
     output:
         report(
             f"{RESULTS}/dataset.parquet",
@@ -30,6 +27,10 @@ rule dataset:
     conda:
         "../envs/abradem.yaml"
     params:
+        # No input: Snakemake would take {words} in braces in its path for wildcards, and there is
+        # no way to escape them. The content decides whether the data set is made again.
+        table=verbatim(EXTERNAL),
+        content=files_hash(EXTERNAL),
         columns=CONFIG.dataset.columns,
         damping_coefficient=CONFIG.features.damping_coefficient,
         code=code_of("dataset/external"),

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import datetime
 import math
+import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema, create_model
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    WithJsonSchema,
+    create_model,
+)
 
 from abradem import quantities
 from abradem.config.batches import batches_of_block
@@ -16,6 +27,44 @@ from abradem.words.labels import LABELS
 
 STUDY_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 """The name of a study is a folder under results/, so separators, dots and blanks are excluded."""
+
+
+_URL = r"^https://[A-Za-z0-9._~:/?#\[\]@!$&'()*+,;=%-]+$"
+"""An address in the characters of RFC 3986; others are written as %XX."""
+
+_BIDIRECTIONAL = {*range(0x202A, 0x202F), *range(0x2066, 0x206A)}
+"""Characters that turn the direction of the text that follows."""
+
+
+def _check_text(value: str) -> str:
+    if not value.strip():
+        raise ValueError("must not be empty")
+    for char in value:
+        if unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") or ord(char) in _BIDIRECTIONAL:
+            raise ValueError(f"contains the control character U+{ord(char):04X}")
+    return value
+
+
+_DAY = r"^[0-9]{4}-(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])$"
+
+
+def _check_day(value: str) -> str:
+    if not re.fullmatch(_DAY, value):
+        raise ValueError("has the wrong form")
+    try:
+        datetime.date.fromisoformat(value)
+    except ValueError:
+        raise ValueError("there is no such day") from None
+    return value
+
+
+Day = Annotated[
+    str, AfterValidator(_check_day), WithJsonSchema({"type": "string", "pattern": _DAY})
+]
+Text = Annotated[
+    str, AfterValidator(_check_text), WithJsonSchema({"type": "string", "pattern": r"\S"})
+]
+"""A name, a title or a path: one line with something in it."""
 
 
 class Section(BaseModel):
@@ -592,17 +641,18 @@ def _check_columns(value: Any) -> dict[str, str | list[str]]:
         parts = column if isinstance(column, (list, tuple)) else [column]
         if not all(isinstance(part, str) and part for part in parts) or len(parts) not in (1, 2):
             raise ValueError(f"{name}: must be a column name, or [column, unit]")
+        for part in (str(name), *parts):
+            _check_text(part)
     return {str(name): column for name, column in value.items()}
 
 
 class Dataset(Section):
     """Your own table instead of simulations."""
 
-    external: str | None = _key(
+    external: Text | None = _key(
         None,
         "CSV or Parquet file. Learning, figures and report then use this table, and nothing is "
         "simulated. With null the data set is simulated.",
-        min_length=1,
         allowed="the path of a file or null",
     )
     columns: Annotated[
@@ -707,29 +757,28 @@ class Figures(Section):
 class Publish(Section):
     """Metadata that `snakemake publish` adds to the data set."""
 
-    title: str | None = _key(
+    title: Text | None = _key(
         None, "Title; null: derived from the name of the study.", allowed="null or text"
     )
-    creators: Annotated[list[str], Field(min_length=1)] = _key(
+    creators: Annotated[list[Text], Field(min_length=1)] = _key(
         ["abradem developers"], "Creators of the data set.", allowed="a list of names"
     )
     version: str = _key(
         "1.0.0",
         "Version of the data set.",
         allowed="1.0.0, 1.0.1, 2.0.0 ...",
-        pattern=r"^\d+\.\d+\.\d+$",
+        pattern=r"^[0-9]{1,6}\.[0-9]{1,6}\.[0-9]{1,6}$",
     )
-    date: str | None = _key(
+    date: Day | None = _key(
         None,
         "Date of publication; null: the date on which the data set was written.",
         allowed='null or a date in quotes, "2026-01-31"',
-        pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$",
     )
     url: str | None = _key(
         None,
         "Address of the published data set, such as https://doi.org/...",
         allowed="null or an address that begins with https://",
-        pattern=r"^https://\S+$",
+        pattern=_URL,
     )
     series: bool = _key(
         True,

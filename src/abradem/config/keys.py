@@ -70,12 +70,18 @@ def show(value: Any) -> str:
     elif isinstance(value, float):
         text = yaml_float(repr(value))
     elif isinstance(value, dict):
-        text = "{" + ", ".join(f"{name}: {show(inner)}" for name, inner in value.items()) + "}"
+        text = (
+            "{" + ", ".join(f"{_name(name)}: {show(inner)}" for name, inner in value.items()) + "}"
+        )
     elif isinstance(value, list):
         text = "[" + ", ".join(show(inner) for inner in value) + "]"
     else:
         text = json.dumps(value, default=str)
     return text if len(text) <= _SHOWN else text[: _SHOWN - 4] + " ..."
+
+
+def _name(name: Any) -> str:
+    return name if isinstance(name, str) and name.isprintable() else json.dumps(name, default=str)
 
 
 def shown_word(text: str) -> str:

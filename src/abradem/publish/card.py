@@ -15,6 +15,7 @@ from abradem.publish.description import (
     File,
 )
 from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED
+from abradem.words.escaping import for_markdown
 from abradem.words.labels import LABELS
 
 STEP_BIAS = {
@@ -55,7 +56,7 @@ def _head(said: Description) -> Iterable[str]:
     drawn = rows + len(said.failures)
     target = said.dataset["wear_total_mean"]
     return [
-        f"# {said.title}",
+        f"# {for_markdown(said.title)}",
         "",
         said.abstract,
         "",
@@ -227,7 +228,7 @@ def _limits(said: Description) -> Iterable[str]:
         "- **Failed cases.** "
         + (
             f"{len(said.failures)} cases gave no rate. They are not missing at random; "
-            f"`failures.parquet` gives the reasons (most often: {reasons.index[0]})."
+            f"`failures.parquet` gives the reasons (most often: {for_markdown(reasons.index[0])})."
             if len(said.failures)
             else "None."
         ),
@@ -249,7 +250,7 @@ def _rights(said: Description) -> Iterable[str]:
         f"[{LICENCE_NAME} ({LICENCE})]({LICENCE_URL}): free to use for any purpose with this "
         "citation:",
         "",
-        f"> {said.citation}",
+        f"> {for_markdown(said.reference)}" + (f" <{said.url}>" if said.url else ""),
         "",
         "```bibtex",
         said.bibtex,

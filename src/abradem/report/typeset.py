@@ -48,11 +48,10 @@ def typeset(text: str | Path, study: str | Path, output: str | Path) -> None:
         )
     with tempfile.TemporaryDirectory() as folder:
         main = Path(folder, "main.tex")
-        main.write_text(
-            rf"\def\study{{{Path(study).resolve().as_posix()}}}"
-            rf"\input{{{Path(text).resolve().as_posix()}}}" + "\n",
-            encoding="utf-8",
-        )
+        # TeX acts on blanks, braces, % and # in a path, so it sees links with plain names.
+        Path(folder, "study").symlink_to(Path(study).resolve())
+        Path(folder, "text.tex").symlink_to(Path(text).resolve())
+        main.write_text("\\def\\study{study}\\input{text.tex}\n", encoding="utf-8")
         for arguments in _commands(program):
             done = subprocess.run(
                 [*arguments, main.name], cwd=folder, capture_output=True, text=True,

@@ -7,5 +7,5 @@ from abradem.store.tables import write_table
 log_to(snakemake.log[0])
 
 params = snakemake.params
-found = read_external(snakemake.input[0], params.columns, params.damping_coefficient)
+found = read_external(snakemake.params.table, params.columns, params.damping_coefficient)
 write_table(found, snakemake.output[0])
