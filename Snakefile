@@ -15,11 +15,14 @@ from pathlib import Path
 try:
     import abradem.config
     import abradem.running.effort
+    import abradem.running.environment
 except ModuleNotFoundError as error:
     sys.exit(
         f"{error.name} is not installed in {sys.executable}: "
         f"run `make setup`, or `pip install -e .` in {workflow.current_basedir}"
     )
+
+abradem.running.environment.force_environment()
 
 if not workflow.current_basedir.is_local:
     sys.exit(
@@ -29,6 +32,8 @@ if not workflow.current_basedir.is_local:
 
 # The folder of this file; another workflow may import it as a module, with a configuration.
 HOME = Path(workflow.current_basedir)
+if problems := abradem.running.environment.environment_problems(HOME):
+    sys.exit("\n".join(problems))
 IN_MODULE = Path(workflow.main_snakefile).resolve() != Path(HOME, "Snakefile").resolve()
 
 try:
@@ -99,6 +104,8 @@ rule all:
 
 
 onstart:
+    if problems := unwritable(workflow.dag.needrun_jobs()):
+        sys.exit("\n".join(problems))
     if not RUN_LOCK.take():
         sys.exit(
             f"{RESULTS}: {RUN_LOCK.holder()} is at work here; wait for its end"

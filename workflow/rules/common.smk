@@ -20,7 +20,7 @@ from abradem.running.code_hash import files_hash, step_hash
 from abradem.running.progress import BatchOfCases, Monitor
 from abradem.running.provenance import versions
 from abradem.running.run_times import run_times
-from abradem.store.files import read_json
+from abradem.store.files import read_json, why_no_folder, why_not_written
 from abradem.store.locks import Lock
 from abradem.words.escaping import data_for_rst
 
@@ -59,6 +59,8 @@ except ConfigError as error:
 
 RESULTS = f"results/{CONFIG.study}"
 LOGS = f"{RESULTS}/logs"
+if reason := why_no_folder(RESULTS):
+    sys.exit(reason)
 SETUP = setup_dict(CONFIG)
 # False if the models are trained on an external table.
 SIMULATED = CONFIG.dataset.external is None
@@ -228,6 +230,13 @@ def part(name, source=None):
         "module": source,
         "code": code_of("verification/part", source),
     }
+
+
+def unwritable(jobs):
+    """One line for each folder in which the jobs of a run have to write and cannot."""
+    files = [RESULTS + "/", *(file for job in jobs for file in (*job.output, *job.log))]
+    folders = dict.fromkeys(os.path.dirname(file) for file in files)
+    return list(dict.fromkeys(filter(None, map(why_not_written, folders))))
 
 
 def to_simulate(jobs):

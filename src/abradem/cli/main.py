@@ -14,6 +14,10 @@ from pathlib import Path
 
 import abradem
 from abradem.cli.predict import add_parser as add_predict
+from abradem.running.environment import force_environment
+
+DESCRIPTION = "Wear data sets, models and figures from ranges of materials and geometry."
+"""Not from a docstring, as Python has none with PYTHONOPTIMIZE=2."""
 
 WRONG_INPUT = 2
 """Exit code for invalid input."""
@@ -28,6 +32,7 @@ class InputError(ValueError):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
+    force_environment()
     options = _parser().parse_args(arguments)
     try:
         return options.run(options)
@@ -51,7 +56,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="abradem", description=abradem.__doc__.splitlines()[0])
+    parser = _Parser(prog="abradem", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"abradem {abradem.__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="command")
 
