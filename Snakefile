@@ -104,7 +104,8 @@ rule all:
 
 
 onstart:
-    if problems := unwritable(workflow.dag.needrun_jobs()):
+    to_run = list(workflow.dag.needrun_jobs())
+    if problems := [*not_ready(to_run), *unwritable(to_run)]:
         sys.exit("\n".join(problems))
     if not RUN_LOCK.take():
         sys.exit(
@@ -112,7 +113,7 @@ onstart:
         )
     print(abradem.running.effort.estimate(CONFIG, workflow.cores), file=sys.stderr)
     lift_rate_limit(workflow.scheduler)
-    MONITOR.start(to_simulate(workflow.dag.needrun_jobs()))
+    MONITOR.start(to_simulate(to_run))
 
 
 onsuccess:

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from copies import run_in, workflow_in
 
 ROOT = Path(__file__).parents[2]
 TARGET = "results/smoke/cases.parquet"
@@ -15,31 +16,13 @@ OBEY = ["setpriv", "--bounding-set=-dac_override,-dac_read_search",
         "--inh-caps=-dac_override,-dac_read_search"]  # fmt: skip
 
 
-def project(root):
-    root.mkdir(parents=True, exist_ok=True)
-    for name in ("Snakefile", "config.yaml", "Makefile"):
-        shutil.copy2(ROOT / name, root)
-    for name in ("workflow", "profiles", "studies", "paper"):
-        shutil.copytree(ROOT / name, root / name)
-    return root
-
-
 @pytest.fixture
 def copied(tmp_path):
-    return project(tmp_path / "project")
+    return workflow_in(tmp_path / "project")
 
 
-def run(root, *arguments, python=(sys.executable,), **environment):
-    """Exit status and the lines of a run of Snakemake."""
-    done = subprocess.run(
-        [
-            *python, "-m", "snakemake", *(arguments or (TARGET,)),
-            "--configfile", "config.yaml", "studies/smoke.yaml",
-        ],
-        cwd=root, env={**os.environ, "PYTHONPATH": str(ROOT / "src"), **environment}, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False,
-    )  # fmt: skip
-    return done.returncode, [line for line in done.stdout.splitlines() if line.strip()]
+def run(root, *arguments, **options):
+    return run_in(root, *(arguments or (TARGET,)), **options)
 
 
 def assert_one_line(status, lines, expected):
@@ -86,20 +69,20 @@ def test_a_blank_in_the_path_of_python_is_one_line(copied, tmp_path):
 
 
 def test_a_workflow_in_a_folder_with_a_blank_runs(tmp_path):
-    root = project(tmp_path / "with blank")
+    root = workflow_in(tmp_path / "with blank")
     assert run(root)[0] == 0
     assert (root / TARGET).is_file()
 
 
 @pytest.mark.parametrize("name", ["a{b}", "half{"])
 def test_braces_in_the_path_of_the_workflow_are_one_line(tmp_path, name):
-    root = project(tmp_path / name)
+    root = workflow_in(tmp_path / name)
     assert_one_line(*run(root, "--dry-run", TARGET), f"{root}: the path of the workflow holds brac")
 
 
 @pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
 def test_make_says_in_one_line_that_it_cannot_work_with_blanks(tmp_path):
-    root = project(tmp_path / "with blank")
+    root = workflow_in(tmp_path / "with blank")
     done = subprocess.run(
         ["make", "help"], cwd=root, text=True, capture_output=True, timeout=60, check=False
     )

@@ -239,6 +239,30 @@ def unwritable(jobs):
     return list(dict.fromkeys(filter(None, map(why_not_written, folders))))
 
 
+def not_ready(jobs):
+    """One line for each reason for which a run would fail at its end."""
+    # Imported here, as a job of a run need not load what the readiness is found with.
+    from abradem.report.movie import why_no_film
+    from abradem.report.typeset import why_not_typeset
+    from abradem.running.readiness import no_graphics_card, problems_at_start
+
+    rules = {job.rule.name for job in jobs}
+    stages = {Path(str(job.rule.snakefile)).stem for job in jobs}
+    problems = []
+    if SIMULATED:
+        cases = [
+            int(job.wildcards.case) for job in jobs if hasattr(job.wildcards, "case")
+        ]
+        learns = not stages.isdisjoint({"baselines", "physical"})
+        problems += problems_at_start(CONFIG, rules, learns, cases)
+    if "ga_ann" in rules and workflow.local_exec:
+        problems += no_graphics_card(CONFIG)
+    for rule, why_not in (("film", why_no_film), ("paper_pdf", why_not_typeset)):
+        if rule in rules and (reason := why_not()):
+            problems.append(f"{rule}: {reason}")
+    return problems
+
+
 def to_simulate(jobs):
     """The batches to be simulated by the jobs of a run, for the progress monitor."""
     return {

@@ -1,16 +1,23 @@
 # An external table replaces sampling, simulation and data set.
 from abradem.store.files import TableError
 from abradem.dataset.external import read_external
+from abradem.running.readiness import problems_of_table
 
 EXTERNAL = CONFIG.dataset.external
 
-if not Path(EXTERNAL).is_file():
-    sys.exit(f"dataset.external: {EXTERNAL}: there is no such file")
 try:
+    if not Path(EXTERNAL).is_file():
+        sys.exit(f"dataset.external: {EXTERNAL}: there is no such file")
     # Checked before anything is written; the rule reads the table again.
-    read_external(EXTERNAL, CONFIG.dataset.columns)
+    problems = problems_of_table(
+        CONFIG, read_external(EXTERNAL, CONFIG.dataset.columns)
+    )
+except OSError as error:
+    sys.exit(f"dataset.external: {EXTERNAL}: cannot be read: {error.strerror}")
 except TableError as error:
     sys.exit(str(error))
+if problems:
+    sys.exit("\n".join(problems))
 
 
 rule dataset:

@@ -27,7 +27,7 @@ NOT_OK = 1
 
 
 class InputError(ValueError):
-    """Invalid input; the message is one line."""
+    """Invalid input; the message is one line for each problem."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -130,8 +130,11 @@ def _check_config(options: argparse.Namespace) -> int:
     config = read_config(*(options.check or options.folder))
     if config.dataset.external is not None:
         from abradem.dataset.external import read_external
+        from abradem.running.readiness import problems_of_table
 
-        read_external(config.dataset.external, config.dataset.columns)
+        table = read_external(config.dataset.external, config.dataset.columns)
+        if problems := problems_of_table(config, table):
+            raise InputError("\n".join(problems))
     print(estimate(config) if options.check else f"results/{config.study}")
     return 0
 
@@ -139,12 +142,17 @@ def _check_config(options: argparse.Namespace) -> int:
 def _simulate(options: argparse.Namespace) -> int:
     from abradem.config import read_config, setup_dict
     from abradem.simulation.batch import run_case
+    from abradem.store.files import why_not_written
 
     if options.interval is not None and options.snapshots is None:
         raise InputError("--interval needs --snapshots FOLDER")
     config = read_config(_existing(options.study) / "config.yaml")
     setup = setup_dict(config)
     row = find_case(options.study, options.case)
+    # Before minutes of simulation.
+    folders = [options.series and options.series.parent, options.snapshots]
+    if problems := [why for folder in folders if folder and (why := why_not_written(folder))]:
+        raise InputError("\n".join(problems))
 
     tables = run_case(row, setup)
     if options.series:

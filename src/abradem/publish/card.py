@@ -209,9 +209,9 @@ def _limits(said: Description) -> Iterable[str]:
         "- **Noise.** The relative standard error of `wear_total_mean` is "
         f"{relative.median():.2%} in the median and {relative.quantile(0.95):.2%} at the 95th "
         f"percentile. {noise['cases']} cases with large particles were simulated again with other "
-        f"seeds ({noise['replicates']} runs). They show that no model of this column can exceed "
-        f"R2 = {noise['r2_floor']:.5f} ({noise['r2_floor_band'][0]:.5f} to "
-        f"{noise['r2_floor_band'][1]:.5f}). The columns `max` and `p99` are based on a few facets, "
+        f"seeds ({noise['replicates']} runs). "
+        + _floor(noise)
+        + " The columns `max` and `p99` are based on a few facets, "
         "are noisier, and depend on the size of the facets"
         + (
             f"; `wear_total_p99` is zero in {untouched} cases, in which most facets were not hit."
@@ -241,6 +241,16 @@ def _limits(said: Description) -> Iterable[str]:
         "- **The rates are simulated.** They were checked against closed forms, published tests "
         "and other codes, but not against wear measured in this arrangement.",
     ]
+
+
+def _floor(noise) -> str:
+    if None in (noise["r2_floor"], *noise["r2_floor_band"]):
+        return "These are too few to tell the largest R2 that a model of this column can reach."
+    low, high = noise["r2_floor_band"]
+    return (
+        "They show that no model of this column can exceed "
+        f"R2 = {noise['r2_floor']:.5f} ({low:.5f} to {high:.5f})."
+    )
 
 
 def _rights(said: Description) -> Iterable[str]:

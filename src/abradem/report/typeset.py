@@ -23,6 +23,13 @@ def find_program() -> str | None:
     return next((name for name in PROGRAMS if shutil.which(name)), None)
 
 
+def why_not_typeset() -> str:
+    """Return in one line why no text can be typeset here, or ""."""
+    if find_program() is None:
+        return f"no LaTeX is installed (looked for {', '.join(PROGRAMS)})"
+    return ""
+
+
 def typeset(text: str | Path, study: str | Path, output: str | Path) -> None:
     r"""Typeset a text in which ``\study`` is the folder of a study's results.
 
@@ -43,8 +50,7 @@ def typeset(text: str | Path, study: str | Path, output: str | Path) -> None:
     program = find_program()
     if program is None:
         raise TypesetError(
-            f"no LaTeX is installed (looked for {', '.join(PROGRAMS)}); the tables and numbers in "
-            f"{study}/latex can be used elsewhere"
+            f"{why_not_typeset()}; the tables and numbers in {study}/latex can be used elsewhere"
         )
     with tempfile.TemporaryDirectory() as folder:
         main = Path(folder, "main.tex")
