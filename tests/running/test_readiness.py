@@ -40,6 +40,15 @@ def test_a_test_share_leaves_rows_to_learn_from(rows, share, fits):
     assert all(line.startswith(f"learning.test_share: {share:g}: leaves fewer") for line in found)
 
 
+def test_a_validation_share_leaves_rows_to_train_networks_on():
+    config = study(learning={"test_share": 0.5, "ga_ann": {"validation_share": 0.8}})
+    assert too_few_rows(config, 8, "") == [
+        "learning.ga_ann.validation_share: 0.8: leaves none of 4 training rows to learn from "
+        "(allowed up to 0.75)"
+    ]
+    assert too_few_rows(config, 20, "") == []
+
+
 def test_cases_that_do_not_exist_are_one_line_each():
     assert problems_at_start(study(), set(), False, [0, 11, 12, 99, 99]) == [
         "case 12: there is no such case (allowed 0 ... 11)",

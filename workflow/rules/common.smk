@@ -234,7 +234,9 @@ def part(name, source=None):
 
 def unwritable(jobs):
     """One line for each folder in which the jobs of a run have to write and cannot."""
-    files = [RESULTS + "/", *(file for job in jobs for file in (*job.output, *job.log))]
+    files = [RESULTS + "/"]
+    for job in jobs:
+        files += [*job.output, *job.log, *([job.benchmark] if job.benchmark else [])]
     folders = dict.fromkeys(os.path.dirname(file) for file in files)
     return list(dict.fromkeys(filter(None, map(why_not_written, folders))))
 
@@ -257,9 +259,9 @@ def not_ready(jobs):
         problems += problems_at_start(CONFIG, rules, learns, cases)
     if "ga_ann" in rules and workflow.local_exec:
         problems += no_graphics_card(CONFIG)
-    for rule, why_not in (("film", why_no_film), ("paper_pdf", why_not_typeset)):
-        if rule in rules and (reason := why_not()):
-            problems.append(f"{rule}: {reason}")
+    for name, why_not in (("film", why_no_film), ("paper_pdf", why_not_typeset)):
+        if name in rules and (reason := why_not()):
+            problems.append(f"{name}: {reason}")
     return problems
 
 

@@ -66,7 +66,7 @@ def problems_of_table(config: Config, table: pd.DataFrame) -> list[str]:
 
 def too_few_rows(config: Config, rows: int, where: str) -> list[str]:
     """Return whether a number of rows is too small for the models or the splits."""
-    from abradem.learning.protocols import most_held_out
+    from abradem.learning.protocols import held_out, most_held_out
     from abradem.learning.rows import FEWEST_ROWS, FEWEST_TRAINED
 
     if rows < FEWEST_ROWS:
@@ -77,6 +77,13 @@ def too_few_rows(config: Config, rows: int, where: str) -> list[str]:
         return [
             f"learning.test_share: {share:g}: leaves fewer than {FEWEST_TRAINED} of {rows} rows to "
             f"learn from (allowed up to {most:.2g})"
+        ]
+    trained, part = rows - held_out(rows, share), config.learning.ga_ann.validation_share
+    most = most_held_out(trained, 1)
+    if part > most:
+        return [
+            f"learning.ga_ann.validation_share: {part:g}: leaves none of {trained} training rows "
+            f"to learn from (allowed up to {most:.2g})"
         ]
     return []
 
