@@ -1,6 +1,10 @@
 # `make run` sets up the environment, runs the study and writes its report. `make help` lists all
 # targets.
 
+ifneq ($(words $(CURDIR)),1)
+$(error $(CURDIR): make and Snakemake cannot work in a folder with a blank in its path; move it)
+endif
+
 PYTHON ?= python3
 STUDY ?=
 # Further options for snakemake, such as ARGS="--cores 1" or ARGS=--dry-run, or for other targets.

@@ -21,6 +21,7 @@ try:
 
     import abradem.config
     import abradem.running.effort
+    import abradem.running.environment
 except ModuleNotFoundError as error:
     sys.exit(
         f"{error.name} is not installed in {sys.executable}: "
@@ -28,6 +29,8 @@ except ModuleNotFoundError as error:
     )
 except (ImportError, MemoryError, OSError) as error:
     sys.exit(memory_problem(error) or str(error))
+
+abradem.running.environment.force_environment()
 
 if not workflow.current_basedir.is_local:
     sys.exit(
@@ -37,6 +40,8 @@ if not workflow.current_basedir.is_local:
 
 # The folder of this file; another workflow may import it as a module, with a configuration.
 HOME = Path(workflow.current_basedir)
+if problems := abradem.running.environment.environment_problems(HOME):
+    sys.exit("\n".join(problems))
 IN_MODULE = Path(workflow.main_snakefile).resolve() != Path(HOME, "Snakefile").resolve()
 
 try:
@@ -120,6 +125,9 @@ rule all:
 
 
 onstart:
+    to_run = list(workflow.dag.needrun_jobs())
+    if problems := [*not_ready(to_run), *unwritable(to_run)]:
+        sys.exit("\n".join(problems))
     if not RUN_LOCK.take():
         sys.exit(
             f"{RESULTS}: {RUN_LOCK.holder()} is at work here; wait for its end"

@@ -47,7 +47,7 @@ def seconds_per_step(engine: Engine, steps: int) -> float:
 
 def main() -> None:
     """Print the size of the crowd and the cost of a step."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("study", type=Path, help="folder with config.yaml and cases/")
     parser.add_argument("case", type=int, help="number of the case")
     parser.add_argument(

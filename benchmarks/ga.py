@@ -61,7 +61,7 @@ def plain(hidden: tuple[int, ...], seed: int, x: np.ndarray, y: np.ndarray, trai
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--cores", type=int, default=min(2, usable_cores()))
     parser.add_argument("--generations", type=int, default=25)
     parser.add_argument("--rows", type=int, default=138)

@@ -114,7 +114,7 @@ def print_comparison(timed: Timed) -> None:
 
 def main() -> None:
     """Compare the estimates with the times, fit the constants, and compare again."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("studies", nargs="+", type=Path, help="folders: results/paper")
     studies = [read_times(folder) for folder in parser.parse_args().studies]
     for study in studies:

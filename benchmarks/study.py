@@ -69,7 +69,7 @@ def presence(folder: Path, study: Study) -> pd.DataFrame:
 
 def main() -> None:
     """Print a line for each number."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("study", type=Path, help="folder of a finished study: results/paper")
     folder = parser.parse_args().study
     study = read_study(folder)

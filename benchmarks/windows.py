@@ -109,7 +109,7 @@ def beds(folder: Path, setup, number: int) -> None:
 
 def main() -> None:
     """Print the effect of shorter windows, or of longer simulations of beds."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("study", type=Path, help="folder with its results")
     parser.add_argument("--beds", type=int, help="number of beds to simulate for a long time")
     chosen = parser.parse_args()

@@ -4,6 +4,7 @@ import math
 import re
 
 from abradem.report import latex
+from abradem.words.escaping import for_latex
 
 
 def at_source(found, source):
@@ -16,7 +17,7 @@ def at_source(found, source):
 
 def assert_agree(text, value):
     if isinstance(value, str):
-        assert text == latex.escaped(value)
+        assert text == for_latex(value)
     elif isinstance(value, list):
         assert text == "-".join(map(str, value))
     elif value is None or math.isnan(value):

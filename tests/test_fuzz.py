@@ -126,6 +126,17 @@ def no_finite_numbers(draw):
 
 
 @st.composite
+def numbers_that_yaml_turns_into_others(draw):
+    """In the text of the file, as a writer of YAML would put such a word in quotes."""
+    path = draw(one_of(NUMBERS))
+    word = draw(one_of(["0%o", "0x%x", "0b1%d", "%d_0", "%d:30", "0o%o", "yes", "1%d-01-01"]))
+    number = draw(st.integers(1, 7))
+    return text(put(path, "@word@")).replace(
+        b"'@word@'", (word % number if "%" in word else word).encode()
+    )
+
+
+@st.composite
 def swapped_bounds(draw):
     path = draw(one_of(RANGES))
     return text(put(path, at(BASE, path)[::-1]))
@@ -209,7 +220,8 @@ def more_than_there_is_room_for(draw):
 
 
 CONFIGURATIONS = st.one_of(
-    wrong_types(), slips_of_units(), no_finite_numbers(), swapped_bounds(), odd_keys(),
+    wrong_types(), slips_of_units(), no_finite_numbers(), numbers_that_yaml_turns_into_others(),
+    swapped_bounds(), odd_keys(),
     keys_given_twice(), names_that_leave_the_folder(), tags_and_anchors(), broken_text(),
     no_configuration_at_all(), more_than_there_is_room_for(),
 )  # fmt: skip

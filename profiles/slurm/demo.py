@@ -447,7 +447,7 @@ def megabytes(text: str) -> float:
 
 def main() -> int:
     """Run the demonstration; returns 0 if it passed or was skipped."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("targets", nargs="*", help="snakemake targets; default: the whole study")
     parser.add_argument("--minutes", type=float, default=40.0, help="time limit in minutes")
     arguments = parser.parse_args()

@@ -351,7 +351,7 @@ MALFORMED = {
     ),
     "impossible_date": (
         "study: 2024-13-45\n",
-        "config.yaml: line 1: not valid YAML: month must be in 1..12",
+        'config.yaml: study: 2024-13-45: YAML reads this as a date; write "2024-13-45" in quotes',
     ),
     "two_problems": (
         "study: a b\nseed: -1\n",
@@ -444,18 +444,6 @@ def write(tmp_path, monkeypatch):
     return write
 
 
-def snakemake_merge(*documents: dict) -> dict:
-    """Merge as Snakemake does: deeply, lists replaced."""
-    merged: dict = {}
-    for document in documents:
-        for key, value in document.items():
-            if isinstance(value, dict):
-                merged[key] = snakemake_merge(merged.get(key) or {}, value)
-            else:
-                merged[key] = value
-    return merged
-
-
 @pytest.mark.parametrize("name", MALFORMED)
 def test_each_mistake_prints_its_line(write, name):
     text, line = MALFORMED[name]
@@ -492,45 +480,223 @@ def test_all_unreadable_files_are_named(write):
     assert [line.split(":")[0] for line in error.value.problems] == ["one.yaml", "two.yaml"]
 
 
-def test_duplicate_keys_are_found_in_what_was_merged_already(write):
-    name = write("study: a\nseed: 1\nseed: 2\n")
-    with pytest.raises(ConfigError, match=r"^config\.yaml: seed: 2: given twice, on lines 2 and 3"):
-        load_config({"study": "a", "seed": 2}, [name])
-
-
 @pytest.mark.parametrize(
-    ("given", "line"),
+    ("entry", "line"),
     [
-        ({"sampling": {"blocks": "many"}},
+        ("sampling={blocks: many}",
          'command line: sampling.blocks: "many": must be a whole number (allowed 1 ... 10000)'),
-        ({"sampling": {"blocks": "0"}},
+        ("sampling={blocks: 0}",
          "command line: sampling.blocks: 0: is out of range (allowed 1 ... 10000)"),
-        ({"blocks": 3},
+        ("blocks=3",
          "command line: blocks: 3: unknown key here, did you mean sampling.blocks?"),
-        ({"study": "../up"},
+        ("study=../up",
          'command line: study: "../up": has the wrong form (allowed letters, digits, _ and -, '
          "beginning with a letter or digit, at most 64)"),
+        ("sampling={blocks: 3",
+         'command line: sampling: "{blocks: 3": not valid YAML: expected \',\' or \'}\', but got '
+         "'<stream end>'"),
+        ("study=!!python/name:os.system ''",
+         'command line: study: "!!python/name:os.system \'\'": the tag !!python/name:os.system is '
+         "refused; only plain numbers, text, lists and keys are read"),
     ],
 )  # fmt: skip
-def test_problem_of_the_command_line_is_named_so(write, given, line):
-    text = "study: a\nsampling:\n  blocks: 2\n"
-    merged = snakemake_merge(yaml.safe_load(text), given)
+def test_problem_of_the_command_line_is_named_so(write, entry, line):
+    name = write("study: a\nsampling:\n  blocks: 2\n")
     with pytest.raises(ConfigError) as error:
-        load_config(merged, [write(text)])
+        read_config(name, command_line=[entry])
     assert str(error.value) == line
 
 
-def test_nested_values_of_the_command_line_are_numbers_again(write):
-    # As Snakemake passes --config sampling='{blocks: 3, ranges: {restitution: [0.3, 0.5]}}'.
-    name = write("study: a\nsampling:\n  blocks: 2\n")
-    given = {
-        "sampling": {"blocks": "3", "ranges": {"restitution": ["0.3", "0.5"]}},
-        "simulation": {"pair_interaction": "null"},
-    }
-    config = load_config(snakemake_merge({"study": "a"}, given), [name])
-    assert config.sampling.blocks == 3
+def test_values_of_the_command_line_override_those_of_the_files(write):
+    name = write("study: a\nsampling:\n  blocks: 2\n  method: sobol\n")
+    config = read_config(
+        name,
+        command_line=[
+            "sampling={blocks: 3, ranges: {restitution: [0.3, 0.5]}}",
+            "simulation='{pair_interaction: null}'",
+            'study="2024"',
+            "publish={title: 'no', creators: [\"010\"]}",
+        ],
+    )
+    assert (config.study, config.sampling.blocks, config.sampling.method) == ("2024", 3, "sobol")
     assert config.sampling.ranges.restitution == (0.3, 0.5)
     assert config.simulation.pair_interaction is None
+    assert (config.publish.title, config.publish.creators) == ("no", ["010"])
+
+
+NUMBER, WHOLE, TEXT = "simulation.gravity", "sampling.blocks", "publish.title"
+MISREAD = [
+    (WHOLE, "010", "YAML reads this as the number 8; write 10, or 8 if that is meant", 10),
+    (WHOLE, "0x10", "YAML reads this as the number 16; write 16", 16),
+    (WHOLE, "0b101", "YAML reads this as the number 5; write 5", 5),
+    (WHOLE, "1_000", "YAML reads this as the number 1000; write 1000", 1000),
+    (WHOLE, "1:30", "YAML reads this as the number 90; write 90 if that is meant", 90),
+    (WHOLE, "0o10", "must be a whole number; YAML reads this as text, write 8", 8),
+    (WHOLE, "1e1", "must be a whole number; YAML reads this as text, write 10", 10),
+    (WHOLE, "1.0e+1", "must be a whole number; write 10", 10),
+    (WHOLE, "10.0", "must be a whole number; write 10", 10),
+    (WHOLE, '"010"', "must be a whole number; YAML reads this as text, write 10", 10),
+    (WHOLE, '"1_000"', "must be a whole number; YAML reads this as text, write 1000", 1000),
+    (WHOLE, "yes", "YAML reads this as true; write a whole number", None),
+    (WHOLE, "1e9", "must be a whole number in the allowed range", None),
+    (NUMBER, "010", "YAML reads this as the number 8; write 10, or 8 if that is meant", 10.0),
+    (NUMBER, "1_0.5", "YAML reads this as the number 10.5; write 10.5", 10.5),
+    (NUMBER, "1:30.5", "YAML reads this as the number 90.5; write 90.5 if that is meant", 90.5),
+    (NUMBER, "off", "YAML reads this as false; write a number", None),
+    (NUMBER, "2026-11-27", "YAML reads this as a date; write a number", None),
+    (NUMBER, "1e1", "must be a number; YAML reads this as text, write 10.0", 10.0),
+    (NUMBER, ".5e2", "must be a number; YAML reads this as text, write 50.0", 50.0),
+    (NUMBER, "5e-7", "must be a number; YAML reads this as text, write 5.0e-07", 5e-7),
+    (NUMBER, '"9,81"', "must be a number, with a decimal point instead of a comma", None),
+    (TEXT, "010", 'YAML reads this as the number 8; write "010" in quotes', "010"),
+    (TEXT, "1.10", 'YAML reads this as the number 1.1; write "1.10" in quotes', "1.10"),
+    (TEXT, "12:30:45", 'YAML reads this as the number 45045; write "12:30:45" in quotes',
+     "12:30:45"),
+    (TEXT, "No", 'YAML reads this as false; write "No" in quotes', "No"),
+    (TEXT, "on", 'YAML reads this as true; write "on" in quotes', "on"),
+    (TEXT, "2026-11-27", 'YAML reads this as a date; write "2026-11-27" in quotes', "2026-11-27"),
+    (TEXT, "2026-02-30", 'YAML reads this as a date; write "2026-02-30" in quotes', "2026-02-30"),
+]  # fmt: skip
+
+
+def nested(key, text):
+    *sections, name = key.split(".")
+    text = f"{name}: {text}"
+    for section in reversed(sections):
+        text = f"{section}: {{{text}}}"
+    return text
+
+
+def value_at(config, key):
+    for name in key.split("."):
+        config = getattr(config, name)
+    return config
+
+
+@pytest.mark.parametrize(("key", "word", "problem", "meant"), MISREAD)
+def test_a_word_that_yaml_reads_as_another_value_is_refused_as_it_is_written(
+    write, key, word, problem, meant
+):
+    """In a file and on the command line; what the line says to write is accepted."""
+    text = nested(key, word)
+    section, _, rest = text.partition(": ")
+    for origin, run in (
+        ("config.yaml", lambda: read_config(write(f"study: a\n{text}\n"))),
+        (
+            "command line",
+            lambda: read_config(write("study: a\n"), command_line=[f"{section}={rest}"]),
+        ),
+    ):
+        with pytest.raises(ConfigError) as error:
+            run()
+        (line,) = error.value.problems
+        assert line.startswith(f"{origin}: {key}: ") and f": {problem}" in line
+        if "YAML reads this as the" in problem or "as a date" in problem:
+            assert line.startswith(f"{origin}: {key}: {word}: ")
+    hints = re.findall(r"write (\S+)", problem.removesuffix("write a whole number"))
+    if meant is not None:
+        assert value_at(read_config(write(f"study: a\n{nested(key, hints[0])}\n")), key) == meant
+
+
+def test_a_number_within_lists_ranges_and_unknown_sections_is_looked_at_as_well(write):
+    with pytest.raises(ConfigError) as error:
+        read_config(
+            write(
+                "study: 0x10\nsampling:\n  ranges: {plate_angle: [010, 1:30]}\nblocks: 010\n"
+                "learning: {surrogate: {hidden: [0o17, 1_0]}}\nfigures: {series_cases: [00]}\n"
+                "dataset: {external: t.csv, columns: {plate_angle: [1:30, on]}}\n"
+                "publish: {creators: [1.50], series: yes}\n"
+            )
+        )
+    assert sorted(error.value.problems) == sorted([
+        'config.yaml: study: 0x10: YAML reads this as the number 16; write "0x10" in quotes',
+        "config.yaml: sampling.ranges.plate_angle[0]: 010: YAML reads this as the number 8; write 10, or 8 if that is meant",
+        "config.yaml: sampling.ranges.plate_angle[1]: 1:30: YAML reads this as the number 90; write 90 if that is meant",
+        'config.yaml: blocks: "010": unknown key here, did you mean sampling.blocks?',
+        'config.yaml: learning.surrogate.hidden[0]: "0o17": must be a whole number; YAML reads this as text, write 15 (allowed a list of numbers from 1 to 10000)',
+        "config.yaml: learning.surrogate.hidden[1]: 1_0: YAML reads this as the number 10; write 10",
+        "config.yaml: figures.series_cases[0]: 00: YAML reads this as the number 0; write 0",
+        'config.yaml: dataset.columns.plate_angle[0]: 1:30: YAML reads this as the number 90; write "1:30" in quotes',
+        'config.yaml: dataset.columns.plate_angle[1]: on: YAML reads this as true; write "on" in quotes',
+        'config.yaml: publish.creators[0]: 1.50: YAML reads this as the number 1.5; write "1.50" in quotes',
+    ])  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "text", ["+10", "10", "-0", ".5", "5.", "0.50", "007.5", "1.5e+1", "1.5E-1"]
+)
+def test_plain_numbers_are_as_they_are_read(write, text):
+    key = "particle_velocity_y" if text == "-0" else "plate_angle"
+    config = read_config(write(f"study: a\nsampling: {{ranges: {{{key}: {text}}}}}\n"))
+    assert getattr(config.sampling.ranges, key)[0] == float(text)
+
+
+CONTROL = [
+    "a\x07b",
+    "a\nb",
+    "a\tb",
+    "a\x00b",
+    "a\x1b[2Kb",
+    "a\x85b",
+    "a\u2028b",
+    "a\u202eb",
+    "\x7f",
+]
+FREE_TEXT = [
+    lambda text: {"publish": {"title": text}},
+    lambda text: {"publish": {"creators": ["Ada", text]}},
+    lambda text: {"dataset": {"external": text}},
+    lambda text: {"dataset": {"external": "t.csv", "columns": {"plate_angle": text}}},
+    lambda text: {"dataset": {"external": "t.csv", "columns": {"plate_angle": ["slope", text]}}},
+    lambda text: {"dataset": {"external": "t.csv", "columns": {text: "slope"}}},
+]
+
+
+@pytest.mark.parametrize("at", range(len(FREE_TEXT)))
+@pytest.mark.parametrize("text", [*CONTROL, " ", ""])
+def test_control_characters_and_nothing_are_no_name(text, at):
+    with pytest.raises(ConfigError) as error:
+        load_config({"study": "a", **FREE_TEXT[at](text)})
+    (line,) = error.value.problems
+    code = next((f"U+{ord(char):04X}" for char in text if char not in "ab "), None)
+    assert line.isprintable()
+    assert f"contains the control character {code}" in line if code else "must " in line
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Wear by {DEM}", "水 & Müller", "a_b_", "zero\u200dwidth", "\u00a0 no break", "x: y #z"],
+)
+@pytest.mark.parametrize("at", range(len(FREE_TEXT)))
+def test_any_other_text_is_kept_as_it_is(write, text, at):
+    config = load_config({"study": "a", **FREE_TEXT[at](text)})
+    assert read_config(write(to_yaml(config), "resolved.yaml")) == config
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "problem"),
+    [
+        ("creators", [], "must not be empty"),
+        ("creators", [""], "must not be empty"),
+        ("date", "2026-02-30", "there is no such day"),
+        ("date", "2025-02-29", "there is no such day"),
+        ("date", "0000-01-01", "there is no such day"),
+        ("date", "2026-13-01", "has the wrong form"),
+        ("date", "١٩٩٩-01-01", "has the wrong form"),
+        ("version", "1.0", "has the wrong form"),
+        ("version", "1.0.١", "has the wrong form"),
+        ("url", "http://example.org", "has the wrong form"),
+        ("url", "https://example.org/a b", "has the wrong form"),
+        ("url", "https://example.org/{a}", "has the wrong form"),
+        ("url", "https://example.org/<a>", "has the wrong form"),
+        ("url", "https://example.org/a\\b", "has the wrong form"),
+    ],
+)
+def test_metadata_that_an_archive_would_refuse_are_refused_at_the_start(key, value, problem):
+    with pytest.raises(ConfigError) as error:
+        load_config({"study": "a", "publish": {key: value}})
+    (line,) = error.value.problems
+    assert f": {problem}" in line
 
 
 def test_missing_key_belongs_to_the_first_file(write):

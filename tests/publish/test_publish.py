@@ -1,5 +1,6 @@
 """The published folder: contents agree with the descriptors, and public readers open it."""
 
+import dataclasses
 import hashlib
 import json
 from pathlib import Path
@@ -17,6 +18,7 @@ from abradem.quantities import WEAR_COLUMNS
 from abradem.store.columns import COLUMNS
 from abradem.store.files import write_json
 from abradem.store.tables import write_table
+from abradem.words.escaping import for_bibtex, for_markdown, names_for_bibtex
 
 ROOT = Path(__file__).parents[2]
 BLOCKS, ROWS = 3, 4
@@ -143,6 +145,37 @@ def test_the_card_names_every_column_range_licence_and_author(made):
     ):
         assert text in card
     assert "0.02" in card and "0.99900" in card
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Wear by {DEM} & 50 % of $x_1$",
+        "}} unbalanced { \\input{x}",
+        "<script>alert(1)</script> [a](b) ![c](d)",
+        "Rock and Roll Ltd.",
+        "``` | cell | # heading",
+    ],
+)
+def test_titles_and_names_are_text_in_every_file(tmp_path, text):
+    results = Results(tmp_path)
+    said = {**results.study.said, "title": text, "creators": [text, "Ada"], "url": "https://a.b/c"}
+    results.study = dataclasses.replace(results.study, said=said)
+    results.publish()
+    files = results.published()
+    crate = json.loads(files["ro-crate-metadata.json"])
+    assert {"name": text, "@id": "#creator-1", "@type": "Person"} in crate["@graph"]
+    croissant = json.loads(files["croissant.json"])
+    assert croissant["alternateName"] == text
+    card = files["README.md"].decode("utf-8").splitlines()
+    assert card[0] == f"# {for_markdown(text)}"
+    reference = f"{text}, Ada (2026). {text} (version 1.0.0) [data set]."
+    assert f"> {for_markdown(reference)} <https://a.b/c>" in card
+    start = card.index("```bibtex")
+    entry = card[start + 1 : card.index("```", start)]
+    assert entry == croissant["citeAs"].splitlines()
+    assert f"  author = {{{names_for_bibtex([text, 'Ada'])}}}," in entry
+    assert f"  title = {{{for_bibtex(text)}}}," in entry
 
 
 def test_the_descriptor_gives_every_column_its_unit_and_source(made):

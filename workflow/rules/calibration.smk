@@ -59,8 +59,6 @@ rule calibration:
 
 rule trial_setups:
     """The set-ups of all trials, and the rows of the table in the order of the search."""
-    input:
-        table=CALIBRATION_TABLE.replace("{", "{{").replace("}", "}}"),
     output:
         setups=f"{FOUND}/setups.json",
         rows=f"{FOUND}/rows.parquet",
@@ -69,6 +67,9 @@ rule trial_setups:
     conda:
         "../envs/abradem.yaml"
     params:
+        # No input, as braces in a path cannot be escaped; the content decides.
+        table=verbatim(CALIBRATION_TABLE),
+        content=files_hash(CALIBRATION_TABLE),
         columns=SEARCH.columns,
         rows={
             "target": SEARCH.target,

@@ -1,3 +1,4 @@
+import json
 import os
 import re
 import sys
@@ -7,6 +8,7 @@ from pathlib import Path
 from abradem.config import (
     ConfigError,
     load_config,
+    read_config,
     sampled_ranges,
     rate_options,
     setup_dict,
@@ -21,8 +23,14 @@ from abradem.running.progress import BatchOfCases, Monitor
 from abradem.running.provenance import versions
 from abradem.running.run_times import run_times
 from abradem.store.checksums import damage
-from abradem.store.files import TableError, read_json
+from abradem.store.files import (
+    TableError,
+    read_json,
+    why_no_folder,
+    why_not_written,
+)
 from abradem.store.locks import lock_of_study
+from abradem.words.escaping import data_for_rst
 
 
 def file_of_workflow(path):
@@ -33,26 +41,34 @@ def file_of_workflow(path):
     )
 
 
-try:
-    # Override files of the command line come last, in the order in which they were merged. A
-    # module gets its configuration from the importing workflow, not from files of its own.
-    CONFIG = load_config(
-        config,
-        (
-            ()
-            if IN_MODULE
-            else sorted(
-                workflow.configfiles,
-                key=lambda path: path in workflow.overwrite_configfiles,
-            )
-        ),
-        "config of the module" if IN_MODULE else "command line",
+def configuration():
+    """The configuration, from the texts of the files and of the command line.
+
+    They are read again, as Snakemake turns some words into other values without a message. A
+    module gets its configuration from the importing workflow.
+    """
+    if IN_MODULE:
+        return load_config(config, "config of the module")
+    settings = workflow.config_settings
+    # Override files of the command line come last, in the order in which they are merged.
+    overrides = workflow.overwrite_configfiles
+    files = [] if settings.replace_workflow_config else workflow.configfiles
+    return read_config(
+        *(path for path in files if path not in overrides),
+        *overrides,
+        command_line=settings.config_args or (),
     )
+
+
+try:
+    CONFIG = configuration()
 except ConfigError as error:
     sys.exit(str(error))
 
 RESULTS = f"results/{CONFIG.study}"
 LOGS = f"{RESULTS}/logs"
+if reason := why_no_folder(RESULTS):
+    sys.exit(reason)
 SETUP = setup_dict(CONFIG)
 # False if the models are trained on an external table.
 SIMULATED = CONFIG.dataset.external is None
@@ -73,6 +89,11 @@ def code_of(script, *modules):
 
 BLOCKS = range(CONFIG.sampling.blocks)
 BATCHES = CONFIG.batches
+
+
+def verbatim(value):
+    """A parameter with text from outside, in which braces are no wildcards of Snakemake."""
+    return lambda wildcards: value
 
 
 def batch_paths(pattern):
@@ -221,6 +242,39 @@ def part(name, source=None):
     }
 
 
+def unwritable(jobs):
+    """One line for each folder in which the jobs of a run have to write and cannot."""
+    files = [RESULTS + "/"]
+    for job in jobs:
+        files += [*job.output, *job.log, *([job.benchmark] if job.benchmark else [])]
+    folders = dict.fromkeys(os.path.dirname(file) for file in files)
+    return list(dict.fromkeys(filter(None, map(why_not_written, folders))))
+
+
+def not_ready(jobs):
+    """One line for each reason for which a run would fail at its end."""
+    # Imported here, as a job of a run need not load what the readiness is found with.
+    from abradem.report.movie import why_no_film
+    from abradem.report.typeset import why_not_typeset
+    from abradem.running.readiness import no_graphics_card, problems_at_start
+
+    rules = {job.rule.name for job in jobs}
+    stages = {Path(str(job.rule.snakefile)).stem for job in jobs}
+    problems = []
+    if SIMULATED and not CALIBRATES:
+        cases = [
+            int(job.wildcards.case) for job in jobs if hasattr(job.wildcards, "case")
+        ]
+        learns = not stages.isdisjoint({"baselines", "physical"})
+        problems += problems_at_start(CONFIG, rules, learns, cases)
+    if "ga_ann" in rules and workflow.local_exec:
+        problems += no_graphics_card(CONFIG)
+    for name, why_not in (("film", why_no_film), ("paper_pdf", why_not_typeset)):
+        if name in rules and (reason := why_not()):
+            problems.append(f"{name}: {reason}")
+    return problems
+
+
 def cases_to_simulate(job):
     """Number of cases that a job simulates."""
     if job.rule.name != "simulate":
@@ -298,13 +352,14 @@ KILLED_BEFORE = memory_kills()
 
 MONITOR = Monitor(Path(RESULTS, ".finished"))
 
-# Content of the overview of the report, available once the results exist.
+# Content of the overview of the report, available once the results exist. Its texts are escaped, as
+# templates put them into reStructuredText.
 SUMMARY = Path(RESULTS, "summary.json")
 VERSIONS = Path(RESULTS, "versions.json")
-config["summary"] = read_if_sound(SUMMARY)
-config["recorded"] = read_if_sound(VERSIONS)
-config["run_times"] = run_times(Path(RESULTS, "benchmarks"))
-config["resolved"] = CONFIG.model_dump(mode="json")
+config["summary"] = data_for_rst(read_if_sound(SUMMARY))
+config["recorded"] = data_for_rst(read_if_sound(VERSIONS))
+config["run_times"] = data_for_rst(run_times(Path(RESULTS, "benchmarks")))
+config["resolved"] = data_for_rst(CONFIG.model_dump(mode="json"))
 
 
 wildcard_constraints:

@@ -2,20 +2,22 @@
 from abradem.store.files import TableError
 from abradem.dataset.external import read_external, repeated
 from abradem.dataset.user_table import local_file
+from abradem.running.readiness import problems_of_table
 
 try:
     EXTERNAL = str(local_file(CONFIG.dataset.external))
     # Checked before anything is written; the rule reads the table again.
-    REPEATED_ROWS = repeated(read_external(EXTERNAL, CONFIG.dataset.columns))
+    given_table = read_external(EXTERNAL, CONFIG.dataset.columns)
+    REPEATED_ROWS = repeated(given_table)
+    problems = problems_of_table(CONFIG, given_table)
 except TableError as error:
     sys.exit(str(error))
+if problems:
+    sys.exit("\n".join(problems))
 
 
 rule dataset:
     """The data set from an external table."""
-    input:
-        # Braces in the path are not wildcards.
-        EXTERNAL.replace("{", "{{").replace("}", "}}"),
     output:
         report(
             f"{RESULTS}/dataset.parquet",
@@ -28,6 +30,10 @@ rule dataset:
     conda:
         "../envs/abradem.yaml"
     params:
+        # No input: Snakemake would take {words} in braces in its path for wildcards, and there is
+        # no way to escape them. The content decides whether the data set is made again.
+        table=verbatim(EXTERNAL),
+        content=files_hash(EXTERNAL),
         columns=CONFIG.dataset.columns,
         damping_coefficient=CONFIG.features.damping_coefficient,
         repeated=REPEATED_ROWS,

@@ -3,6 +3,12 @@ WORKFLOW_FILES = [
     Path(HOME, "Snakefile"),
     *sorted(Path(HOME, "workflow/rules").glob("*.smk")),
 ]
+# For Snakemake when it draws the graph. JSON is YAML, whatever the table is called.
+THE_TABLE = json.dumps(CONFIG.dataset.model_dump(mode="json"), ensure_ascii=False)
+GRAPH_OPTIONS = [
+    *(["--configfile", file_of_workflow("config.yaml")] if IN_MODULE else []),
+    *([] if SIMULATED else ["--config", f"dataset={THE_TABLE}"]),
+]
 
 
 rule rule_graph:
@@ -14,16 +20,9 @@ rule rule_graph:
     conda:
         "../envs/abradem.yaml"
     params:
-        snakefile=os.path.relpath(WORKFLOW_FILES[0]),
-        rule_files=[os.path.relpath(path) for path in WORKFLOW_FILES[1:]],
-        options=[
-            *(["--configfile", file_of_workflow("config.yaml")] if IN_MODULE else []),
-            *(
-                []
-                if SIMULATED
-                else ["--config", f"dataset={{external: {CONFIG.dataset.external}}}"]
-            ),
-        ],
+        snakefile=verbatim(os.path.relpath(WORKFLOW_FILES[0])),
+        rule_files=verbatim([os.path.relpath(path) for path in WORKFLOW_FILES[1:]]),
+        options=verbatim(GRAPH_OPTIONS),
         rules=files_hash(*WORKFLOW_FILES),
         code=code_of("running/rule_graph"),
     script:
@@ -51,7 +50,7 @@ rule provenance:
     conda:
         "../envs/abradem.yaml"
     params:
-        config=to_yaml(CONFIG),
+        config=verbatim(to_yaml(CONFIG)),
         # A function, so that it includes the rules that are defined later.
         recorded=lambda wildcards: {
             "seed": CONFIG.seed,

@@ -17,6 +17,9 @@ from pathlib import Path
 import abradem
 from abradem.store.errors import memory_problem, too_small_limit
 
+DESCRIPTION = "Wear data sets, models and figures from ranges of materials and geometry."
+"""Not from a docstring, as Python has none with PYTHONOPTIMIZE=2."""
+
 WRONG_INPUT = 2
 """Exit code for invalid input."""
 
@@ -32,7 +35,7 @@ LEAST_MEMORY = {"simulate": 1000, "predict": 160, "config": 500, "doctor": 500}
 
 
 class InputError(ValueError):
-    """Invalid input; the message is one line."""
+    """Invalid input; the message is one line for each problem."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -44,7 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return NO_MEMORY
     try:
         from abradem.cli.given_values import joined
+        from abradem.running.environment import force_environment
 
+        force_environment()
         options = _parser().parse_args(joined(arguments))
         return options.run(options)
     except Exception as error:
@@ -74,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
     from abradem.cli.doctor import add_doctor
     from abradem.cli.predict import add_parser as add_predict
 
-    parser = _Parser(prog="abradem", description=abradem.__doc__.splitlines()[0])
+    parser = _Parser(prog="abradem", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"abradem {abradem.__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="command")
 
@@ -150,9 +155,12 @@ def _check_config(options: argparse.Namespace) -> int:
     config = read_config(*(options.check or options.folder))
     if config.dataset.external is not None:
         from abradem.dataset.external import read_external, repeated
+        from abradem.running.readiness import problems_of_table
 
-        again = repeated(read_external(config.dataset.external, config.dataset.columns))
-        if again:
+        table = read_external(config.dataset.external, config.dataset.columns)
+        if problems := problems_of_table(config, table):
+            raise InputError("\n".join(problems))
+        if again := repeated(table):
             print(f"{config.dataset.external}: {again}", file=sys.stderr)
     print(estimate(config) if options.check else f"results/{config.study}")
     return 0
@@ -161,12 +169,17 @@ def _check_config(options: argparse.Namespace) -> int:
 def _simulate(options: argparse.Namespace) -> int:
     from abradem.config import rate_options, read_config, setup_dict
     from abradem.simulation.batch import run_case
+    from abradem.store.files import why_not_written
 
     if options.interval is not None and options.snapshots is None:
         raise InputError("--interval needs --snapshots FOLDER")
     config = read_config(_undamaged(_existing(options.study) / "config.yaml"))
     setup = setup_dict(config)
     row = find_case(options.study, options.case)
+    # Before minutes of simulation.
+    folders = [options.series and options.series.parent, options.snapshots]
+    if problems := [why for folder in folders if folder and (why := why_not_written(folder))]:
+        raise InputError("\n".join(problems))
 
     tables = run_case(row, setup)
     if options.series:

@@ -2,19 +2,69 @@
 
 from __future__ import annotations
 
+import datetime
 import math
+import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema, create_model
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    WithJsonSchema,
+    create_model,
+)
 
 from abradem import quantities
 from abradem.config.batches import batches_of_block
+from abradem.config.scalars import number_meant, written, yaml_float
 from abradem.quantities import SAMPLED, STATISTICS, WEAR_MEASURES, Quantity
 from abradem.words.labels import LABELS
 
 STUDY_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 """The name of a study is a folder under results/, so separators, dots and blanks are excluded."""
+
+
+_URL = r"^https://[A-Za-z0-9._~:/?#\[\]@!$&'()*+,;=%-]+$"
+"""An address in the characters of RFC 3986; others are written as %XX."""
+
+_BIDIRECTIONAL = {*range(0x202A, 0x202F), *range(0x2066, 0x206A)}
+"""Characters that turn the direction of the text that follows."""
+
+
+def _check_text(value: str) -> str:
+    if not value.strip():
+        raise ValueError("must not be empty")
+    for char in value:
+        if unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") or ord(char) in _BIDIRECTIONAL:
+            raise ValueError(f"contains the control character U+{ord(char):04X}")
+    return value
+
+
+_DAY = r"^[0-9]{4}-(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])$"
+
+
+def _check_day(value: str) -> str:
+    if not re.fullmatch(_DAY, value):
+        raise ValueError("has the wrong form")
+    try:
+        datetime.date.fromisoformat(value)
+    except ValueError:
+        raise ValueError("there is no such day") from None
+    return value
+
+
+Day = Annotated[
+    str, AfterValidator(_check_day), WithJsonSchema({"type": "string", "pattern": _DAY})
+]
+Text = Annotated[
+    str, AfterValidator(_check_text), WithJsonSchema({"type": "string", "pattern": r"\S"})
+]
+"""A name, a title or a path: one line with something in it."""
 
 
 class Section(BaseModel):
@@ -38,7 +88,7 @@ def _range_field(row: Quantity) -> tuple[Any, Any]:
         if len(bounds) != 2:
             raise ValueError("must be one number or two, [lower bound, upper bound]")
         for bound in bounds:
-            _require_number(bound)
+            _require_number(bound, low, high)
             if not low <= bound <= high:
                 raise ValueError(f"{number_text(bound)} is out of range{_unit_slip(row, bounds)}")
         if bounds[0] > bounds[1]:
@@ -61,15 +111,6 @@ def interval_text(low: float, high: float, unit: str = "", above: bool = False) 
 
 def number_text(value: float) -> str:
     return str(value) if isinstance(value, int) else yaml_float(f"{value:g}")
-
-
-def yaml_float(text: str) -> str:
-    """Return the text of a number as YAML 1.1 needs it: 1e-10 is read as text, 1.0e-10 is not."""
-    mantissa, e, exponent = text.partition("e")
-    if not e:
-        return text
-    sign = "" if exponent[0] in "+-" else "+"
-    return f"{mantissa}{'' if '.' in mantissa else '.0'}e{sign}{exponent}"
 
 
 def _from_si(row: Quantity, value: float) -> float:
@@ -96,26 +137,49 @@ def _unit_slip(row: Quantity, bounds: Sequence[float]) -> str:
     return f"; the key is in {row.config_unit}, for values in {row.unit} write [{meant}]"
 
 
-def _require_number(value: Any) -> None:
+def _require_number(value: Any, low: float, high: float) -> None:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(not_a_number(value, "number"))
+        raise ValueError(not_a_number(value, "a number", low, high))
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError("must be a finite number")
 
 
-def not_a_number(value: Any, wanted: str) -> str:
-    """Return why ``value`` is not a number, with a hint if it is text that looks like one."""
-    if isinstance(value, str):
-        try:
-            number = float(value)
-        except ValueError:
-            pass
-        else:
-            if math.isfinite(number) and "e" in value.lower():
-                written = yaml_float(value.strip().lower())
-                return f"must be a {wanted}; YAML reads this as text, write {written}"
-            return f"must be a {wanted}, not text; write it without quotes"
-    return f"must be a {wanted}"
+def not_a_number(
+    value: Any, wanted: str, low: float = -math.inf, high: float = math.inf, above: bool = False
+) -> str:
+    """Return why ``value`` is not a number, with a hint if it looks like one.
+
+    The number of the hint is accepted: it is within the bounds, and YAML reads it as a number.
+
+    Parameters
+    ----------
+    value
+    wanted : str
+        ``a number``, ``a whole number`` or ``auto or a whole number``.
+    low, high : float
+        Bounds of the key.
+    above : bool
+        Whether the lower bound itself is not allowed.
+    """
+    whole = "whole" in wanted
+    if isinstance(value, float) and whole and value.is_integer():
+        meant: int | float | None = int(value)
+    else:
+        meant = number_meant(value) if isinstance(value, str) else None
+    if meant is None:
+        if isinstance(value, str) and number_meant(value.replace(",", ".", 1)) is not None:
+            return f"must be {wanted}, with a decimal point instead of a comma"
+        return f"must be {wanted}"
+    if not low <= meant <= high or (above and meant == low):
+        return f"must be {wanted} in the allowed range"
+    if whole and not isinstance(meant, int):
+        return f"must be {wanted}"
+    if not isinstance(value, str):
+        return f"must be {wanted}; write {meant}"
+    same = value.strip() == written(meant, isinstance(meant, int))
+    if same:
+        return f"must be {wanted}, not text; write it without quotes"
+    return f"must be {wanted}; YAML reads this as text, write {written(meant, whole)}"
 
 
 _FIELDS: dict[str, Any] = {row.config_key: _range_field(row) for row in SAMPLED}
@@ -285,7 +349,7 @@ def _check_cases_per_job(value: Any) -> str | int:
     if value == "auto":
         return value
     if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError("must be auto or a whole number")
+        raise ValueError(not_a_number(value, "auto or a whole number", 1, 100_000))
     if not 1 <= value <= 100_000:
         raise ValueError("is out of range")
     return value
@@ -594,6 +658,8 @@ def _check_columns(value: Any) -> dict[str, str | list[str]]:
         parts = column if isinstance(column, (list, tuple)) else [column]
         if not all(isinstance(part, str) and part for part in parts) or len(parts) not in (1, 2):
             raise ValueError(f"{name}: must be a column name, or [column, unit]")
+        for part in (str(name), *parts):
+            _check_text(part)
     return {str(name): column for name, column in value.items()}
 
 
@@ -624,11 +690,10 @@ _SEARCH_SCHEMA = WithJsonSchema(
 class Dataset(Section):
     """Your own table instead of simulations."""
 
-    external: str | None = _key(
+    external: Text | None = _key(
         None,
         "CSV or Parquet file. Learning, figures and report then use this table, and nothing is "
         "simulated. With null the data set is simulated.",
-        min_length=1,
         allowed="the path of a file or null",
     )
     columns: Annotated[Any, PlainValidator(_check_columns), _COLUMNS_SCHEMA] = _key(
@@ -780,29 +845,28 @@ class Figures(Section):
 class Publish(Section):
     """Metadata that `snakemake publish` adds to the data set."""
 
-    title: str | None = _key(
+    title: Text | None = _key(
         None, "Title; null: derived from the name of the study.", allowed="null or text"
     )
-    creators: Annotated[list[str], Field(min_length=1)] = _key(
+    creators: Annotated[list[Text], Field(min_length=1)] = _key(
         ["abradem developers"], "Creators of the data set.", allowed="a list of names"
     )
     version: str = _key(
         "1.0.0",
         "Version of the data set.",
         allowed="1.0.0, 1.0.1, 2.0.0 ...",
-        pattern=r"^\d+\.\d+\.\d+$",
+        pattern=r"^[0-9]{1,6}\.[0-9]{1,6}\.[0-9]{1,6}$",
     )
-    date: str | None = _key(
+    date: Day | None = _key(
         None,
         "Date of publication; null: the date on which the data set was written.",
         allowed='null or a date in quotes, "2026-01-31"',
-        pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$",
     )
     url: str | None = _key(
         None,
         "Address of the published data set, such as https://doi.org/...",
         allowed="null or an address that begins with https://",
-        pattern=r"^https://\S+$",
+        pattern=_URL,
     )
     series: bool = _key(
         True,
@@ -813,7 +877,7 @@ class Publish(Section):
 
 
 class Config(Section):
-    """A study. `load_config` also checks conditions that involve several keys."""
+    """A study. `read_config` also checks conditions that involve several keys."""
 
     study: str = _key(
         ...,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterator, Mapping
+from functools import cache
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -33,9 +35,10 @@ def explain(details: Mapping) -> tuple[Key, str, str]:
             return key, "is an empty section; give keys or remove the line", names
         return key, "must be a section of keys", names
     problems = {
-        "float_type": not_a_number(value, "number"),
-        "int_type": not_a_number(value, "whole number"),
-        "int_from_float": "must be a whole number",
+        "float_type": not_a_number(value, "a number", *_bounds(key)),
+        "int_type": not_a_number(value, "a whole number", *_bounds(key)),
+        "int_from_float": not_a_number(value, "a whole number", *_bounds(key)),
+        "bool_type": "must be true or false",
         "finite_number": "must be a finite number",
         "string_type": "must be text; put it in quotes",
         "string_pattern_mismatch": "has the wrong form",
@@ -46,6 +49,50 @@ def explain(details: Mapping) -> tuple[Key, str, str]:
     if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
         return key, "is out of range", allowed
     return key, problems.get(kind, details["msg"]), allowed
+
+
+def types_of(key: Key) -> set[str]:
+    """Return the types that a value of ``key`` may have, as in a JSON schema; empty if unknown."""
+    return {
+        found.get("type", "string") for found in _schemas(key) if "type" in found or "enum" in found
+    }
+
+
+def _bounds(key: Key) -> tuple[float, float, bool]:
+    """Return the bounds of the number of ``key``, and whether the lower one is excluded."""
+    for found in _schemas(key):
+        if found.get("type") in ("integer", "number"):
+            low = found.get("minimum", found.get("exclusiveMinimum", -math.inf))
+            return low, found.get("maximum", math.inf), "exclusiveMinimum" in found
+    return -math.inf, math.inf, False
+
+
+@cache
+def _whole_schema() -> dict:
+    return Config.model_json_schema()
+
+
+def _schemas(key: Key) -> list[dict]:
+    """Return the schemas of ``key``, one for each kind of value; empty if the key is unknown."""
+    found = _alternatives(_whole_schema())
+    for part in key:
+        inner = []
+        for one in found:
+            if isinstance(part, int):
+                inner.append(one.get("items"))
+            else:
+                other = one.get("additionalProperties")
+                inner.append(one.get("properties", {}).get(part, other))
+        found = [last for one in inner if isinstance(one, dict) for last in _alternatives(one)]
+    return found
+
+
+def _alternatives(schema: dict) -> list[dict]:
+    if "$ref" in schema:
+        return _alternatives(_whole_schema()["$defs"][schema["$ref"].rpartition("/")[2]])
+    if "anyOf" in schema:
+        return [last for one in schema["anyOf"] for last in _alternatives(one)]
+    return [schema]
 
 
 def _unknown_key(key: Key) -> tuple[str, str]:

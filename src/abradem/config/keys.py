@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from abradem.config.declaration import yaml_float
+from abradem.config.scalars import yaml_float
 
 COMMAND_LINE = "command line"
 """Origin that is reported instead of a file for a value from ``--config``."""
@@ -70,12 +70,25 @@ def show(value: Any) -> str:
     elif isinstance(value, float):
         text = yaml_float(repr(value))
     elif isinstance(value, dict):
-        text = "{" + ", ".join(f"{name}: {show(inner)}" for name, inner in value.items()) + "}"
+        text = (
+            "{" + ", ".join(f"{_name(name)}: {show(inner)}" for name, inner in value.items()) + "}"
+        )
     elif isinstance(value, list):
         text = "[" + ", ".join(show(inner) for inner in value) + "]"
     else:
         text = json.dumps(value, default=str)
     return text if len(text) <= _SHOWN else text[: _SHOWN - 4] + " ..."
+
+
+def _name(name: Any) -> str:
+    return name if isinstance(name, str) and name.isprintable() else json.dumps(name, default=str)
+
+
+def shown_word(text: str) -> str:
+    """Return a word of a file in one short line, as it is written."""
+    line = "".join(char if char.isprintable() else " " for char in text)
+    line = " ".join(line.split())
+    return line if len(line) <= _SHOWN else line[: _SHOWN - 4] + " ..."
 
 
 def shown_path(path: Path) -> str:

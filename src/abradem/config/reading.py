@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import datetime
 import itertools
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 from pydantic import ValidationError
 
 from abradem.config.conflicts import conflicts
 from abradem.config.declaration import Config
-from abradem.config.explaining import explain
+from abradem.config.explaining import explain, types_of
 from abradem.config.keys import (
     COMMAND_LINE,
     MISSING,
@@ -23,7 +24,9 @@ from abradem.config.keys import (
     origin_of,
     show,
     shown_path,
+    shown_word,
 )
+from abradem.config.scalars import misread
 
 _DEEPEST = 8
 """Largest number of nested levels; a file with more is not a configuration, or refers to itself."""
@@ -43,26 +46,43 @@ class ConfigError(ValueError):
         super().__init__("\n".join(self.problems))
 
 
-def read_config(*paths: str | os.PathLike) -> Config:
-    """Read a configuration from files; each file overrides the keys of the earlier ones.
+def read_config(*paths: str | os.PathLike, command_line: Sequence[str] = ()) -> Config:
+    """Read a configuration from files and from the command line of Snakemake.
+
+    Parameters
+    ----------
+    *paths : path
+        Each file overrides the keys of the earlier ones.
+    command_line : sequence of str
+        Entries ``key=value`` of ``--config``, which override the files. The value is YAML.
 
     Raises
     ------
     ConfigError
         With one line for each problem.
     """
-    merged: dict = {}
-    problems = []
-    for path in paths:
+    sources: list[tuple[str, dict]] = []
+    problems: list[str] = []
+    faulty: list[Key] = []
+    unreadable = False
+    for path in (Path(path).resolve() for path in paths):
         try:
-            values, _ = _parse_file(Path(path))
+            values, found = _parse_file(path)
         except ConfigError as error:
             problems += error.problems
+            unreadable = True
         else:
-            _merge(merged, values)
-    if problems:
-        raise ConfigError(problems)
-    return load_config(merged, [Path(path) for path in paths])
+            problems += found.lines
+            faulty += found.keys
+            sources.append((shown_path(path), values))
+    if unreadable:
+        raise ConfigError(list(dict.fromkeys(problems)))
+    given, found = _parse_entries(command_line)
+    sources.append((COMMAND_LINE, given))
+    merged: dict = {}
+    for _, values in sources:
+        _merge(merged, values)
+    return _checked(merged, sources, problems + found.lines, faulty + found.keys)
 
 
 def refuse_all_but_data(path: str | os.PathLike) -> None:
@@ -73,48 +93,44 @@ def refuse_all_but_data(path: str | os.PathLike) -> None:
     ConfigError
         With one line for each problem.
     """
-    values, problems = _parse_file(Path(path))
+    values, _ = _parse_file(Path(path))
     if "__use_yte__" in values:
-        problems = [f"{shown_path(Path(path))}: __use_yte__: templates are refused"]
-    if problems:
-        raise ConfigError(problems)
+        raise ConfigError([f"{shown_path(Path(path))}: __use_yte__: templates are refused"])
 
 
-def load_config(
-    merged: Mapping, files: Sequence[str | os.PathLike] = (), elsewhere: str = COMMAND_LINE
-) -> Config:
-    """Check a configuration that is already merged, as Snakemake passes it.
+def load_config(values: Mapping, origin: str = COMMAND_LINE) -> Config:
+    """Check a configuration that is in no file, such as that of a module of Snakemake.
 
     Parameters
     ----------
-    merged : mapping
-        All keys; those of the command line override those of the files.
-    files : sequence of path
-        The files of the configuration. They are read again to find duplicate keys and to report
-        the file of a wrong value.
-    elsewhere : str
-        Origin that is reported for a value that is in none of these files.
+    values : mapping
+        All keys.
+    origin : str
+        Origin of the values in error messages.
 
     Raises
     ------
     ConfigError
         With one line for each problem.
     """
-    sources: list[tuple[str, dict]] = []
-    problems: list[str] = []
-    for path in dict.fromkeys(Path(file).resolve() for file in files):
-        try:
-            values, found = _parse_file(path)
-        except ConfigError as error:
-            problems += error.problems
-        else:
-            problems += found
-            sources.append((shown_path(path), values))
-    if problems:
-        raise ConfigError(problems)
+    plain = _plain(values)
+    return _checked(plain, [(origin, plain)], [], [])
 
-    values = _read_command_line_text(_plain(merged), sources)
 
+class _Found(NamedTuple):
+    """Problems of a source text: a line for each, and the keys with a wrong value."""
+
+    lines: list[str]
+    keys: list[Key]
+
+
+def _checked(
+    values: dict, sources: list[tuple[str, dict]], problems: list[str], faulty: list[Key]
+) -> Config:
+    """Return the configuration; raise with the ``problems`` of the sources and all others.
+
+    Keys that are ``faulty`` in a source already have a line.
+    """
     resolved: dict = {}
 
     def line(key: Key, problem: str, allowed: str = "") -> str:
@@ -125,24 +141,68 @@ def load_config(
         shown = "(missing)" if value is MISSING else show(value) + ("" if given else " (default)")
         tail = f" (allowed {allowed})" if allowed else ""
         origin = origin_of(key, value, sources, given)
-        if origin == COMMAND_LINE:
-            origin = elsewhere
         return f"{origin}: {dotted(key)}: {shown}: {problem}{tail}"
 
+    problems = list(problems)
     try:
         config = Config.model_validate(values)
     except ValidationError as error:
-        raise ConfigError([line(*explain(details)) for details in error.errors()]) from None
-    # A default can be in conflict with a given key.
-    resolved.update(config.model_dump(mode="json"))
-    problems = [line(key, problem) for key, problem in conflicts(config)]
+        told = [explain(details) for details in error.errors()]
+        problems += [
+            line(*one)
+            for one in told
+            if not any(one[0] == key[: len(one[0])] or key == one[0][: len(key)] for key in faulty)
+        ]
+    else:
+        # A default can be in conflict with a given key.
+        resolved.update(config.model_dump(mode="json"))
+        problems += [line(key, problem) for key, problem in conflicts(config) if key not in faulty]
     if problems:
-        raise ConfigError(problems)
+        raise ConfigError(list(dict.fromkeys(problems)))
     return config
 
 
-def _parse_file(path: Path) -> tuple[dict, list[str]]:
-    """Return the file's values and one line for each duplicate key; raise if unreadable."""
+def _parse_entries(entries: Sequence[str]) -> tuple[dict, _Found]:
+    """Return the values of ``key=value`` entries, and their problems.
+
+    Snakemake turns the values into numbers without a word (010 into 10, 1_000 into 1000) and
+    loses the quotes of texts, so the entries are read again.
+    """
+    values: dict = {}
+    found = _Found([], [])
+    for entry in entries:
+        name, _, text = entry.partition("=")
+        bare = text.strip("'\"")
+        try:
+            node = yaml.compose(bare, Loader=yaml.SafeLoader) if bare else None
+            if not isinstance(node, yaml.CollectionNode):
+                # Quotes around a section are those of a shell, around a word they make it text.
+                node = yaml.compose(text, Loader=yaml.SafeLoader) if text else None
+            room = itertools.count(_MOST_VALUES, -1)
+            value = None
+            if node is not None:
+                value = _construct(node, (name,), COMMAND_LINE, found, room)
+        except RecursionError:
+            found.lines.append(f"{COMMAND_LINE}: {name}: nested more than {_DEEPEST} levels deep")
+            found.keys.append((name,))
+        except yaml.MarkedYAMLError as error:
+            reason = _tag_problem(error) or f"not valid YAML: {error.problem}"
+            found.lines.append(f"{COMMAND_LINE}: {name}: {show(text)}: {reason}")
+            found.keys.append((name,))
+        except yaml.YAMLError as error:
+            reason = " ".join(str(error).split())
+            found.lines.append(f"{COMMAND_LINE}: {name}: {show(text)}: not valid YAML: {reason}")
+            found.keys.append((name,))
+        except ConfigError as error:
+            found.lines.extend(error.problems)
+            found.keys.append((name,))
+        else:
+            _merge(values, {name: value})
+    return values, found
+
+
+def _parse_file(path: Path) -> tuple[dict, _Found]:
+    """Return the file's values, and the problems of single keys; raise if it is unreadable."""
     shown = shown_path(path)
     try:
         with open(path, "rb") as file:
@@ -158,11 +218,11 @@ def _parse_file(path: Path) -> tuple[dict, list[str]]:
         raise ConfigError(
             [f"{shown}: byte {error.start + 1} is not UTF-8; save the file as UTF-8 text"]
         ) from None
-    problems: list[str] = []
+    found = _Found([], [])
     try:
         node = yaml.compose(text, Loader=yaml.SafeLoader)
         room = itertools.count(_MOST_VALUES, -1)
-        values = None if node is None else _construct(node, (), shown, problems, room)
+        values = None if node is None else _construct(node, (), shown, found, room)
     except RecursionError:
         raise ConfigError([f"{shown}: nested more than {_DEEPEST} levels deep"]) from None
     except yaml.MarkedYAMLError as error:
@@ -178,7 +238,7 @@ def _parse_file(path: Path) -> tuple[dict, list[str]]:
         raise ConfigError(
             [f"{shown}: contains {show(values)}, not keys; it must begin with a key, such as study"]
         )
-    return values, problems
+    return values, found
 
 
 def _tag_problem(error: yaml.MarkedYAMLError) -> str:
@@ -190,13 +250,12 @@ def _tag_problem(error: yaml.MarkedYAMLError) -> str:
     return f"the tag {tag} is refused; only plain numbers, text, lists and keys are read"
 
 
-def _construct(
-    node: yaml.Node, key: Key, shown: str, problems: list[str], room: Iterator[int]
-) -> Any:
-    """Convert a YAML node into plain data, and report keys that are given twice.
+def _construct(node: yaml.Node, key: Key, shown: str, found: _Found, room: Iterator[int]) -> Any:
+    """Convert a YAML node into plain data.
 
-    ``room`` counts down the number of further values allowed; values of an anchor count at each
-    use.
+    Keys that are given twice, and words that YAML turns into something else, are added to
+    ``found``. ``room`` counts down the number of further values allowed; values of an anchor
+    count at each use.
     """
     line = node.start_mark.line + 1
     if len(key) > _DEEPEST:
@@ -205,11 +264,11 @@ def _construct(
         raise ConfigError([f"{shown}: line {line}: holds more than {_MOST_VALUES} values"])
     if isinstance(node, yaml.SequenceNode) and node.tag == "tag:yaml.org,2002:seq":
         return [
-            _construct(item, (*key, index), shown, problems, room)
+            _construct(item, (*key, index), shown, found, room)
             for index, item in enumerate(node.value)
         ]
     if not isinstance(node, yaml.MappingNode) or node.tag != "tag:yaml.org,2002:map":
-        return _construct_scalar(node)
+        return _construct_scalar(node, key, shown, found)
     values: dict = {}
     first_line: dict[str, int] = {}
     for name_node, value_node in node.value:
@@ -217,25 +276,46 @@ def _construct(
         if not isinstance(name_node, yaml.ScalarNode) or name_node.tag != "tag:yaml.org,2002:str":
             raise ConfigError([f"{shown}: line {line}: a key must be a plain word"])
         name = name_node.value
-        value = _construct(value_node, (*key, name), shown, problems, room)
+        value = _construct(value_node, (*key, name), shown, found, room)
         if name in values:
-            problems.append(
+            found.lines.append(
                 f"{shown}: {dotted((*key, name))}: {show(value)}: given twice, on lines "
                 f"{first_line[name]} and {line}; a key may be given only once"
             )
+            found.keys.append((*key, name))
         values[name] = value
         first_line.setdefault(name, line)
     return values
 
 
-def _construct_scalar(node: yaml.Node) -> Any:
+def _construct_scalar(node: yaml.Node, key: Key, shown: str, found: _Found) -> Any:
+    """Convert a value; one that YAML turns into something else stays as it is written."""
     loader = yaml.SafeLoader("")
+    impossible = ""
     try:
-        return loader.construct_object(node, deep=True)
+        value = loader.construct_object(node, deep=True)
     except (ValueError, OverflowError) as error:  # such as the date 2024-13-45
-        raise yaml.constructor.ConstructorError(None, None, str(error), node.start_mark) from None
+        if not isinstance(node, yaml.ScalarNode):
+            raise yaml.constructor.ConstructorError(
+                None, None, str(error), node.start_mark
+            ) from None
+        value, impossible = node.value, str(error)
+        if node.tag == "tag:yaml.org,2002:timestamp":
+            value = datetime.date.min
     finally:
         loader.dispose()
+    if not isinstance(node, yaml.ScalarNode):
+        return value
+    types = types_of(key)
+    # The value of a key that does not exist is shown as it is written.
+    problem = misread(node.value, value, types or {"integer", "number", "boolean"})
+    if impossible and not problem:
+        problem = f"not valid YAML: {impossible}"
+    if not problem or not types:
+        return node.value if problem or isinstance(value, datetime.date) else value
+    found.lines.append(f"{shown}: {dotted(key)}: {shown_word(node.value)}: {problem}")
+    found.keys.append(key)
+    return node.value
 
 
 def _merge(base: dict, overlay: Mapping) -> None:
@@ -256,28 +336,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_plain(inner) for inner in value]
     return value
-
-
-def _read_command_line_text(values: dict, sources: Sequence[tuple[str, dict]]) -> dict:
-    """Parse nested values of ``--config``, which Snakemake passes as text.
-
-    ``--config sampling='{blocks: 3}'`` arrives as the text "3". Only values that are in none of
-    the files are parsed; a number in quotes in a file stays text.
-    """
-
-    def read(value: Any, key: Key) -> Any:
-        if isinstance(value, dict):
-            return {name: read(inner, (*key, name)) for name, inner in value.items()}
-        if origin_of(key, value, sources) != COMMAND_LINE or not sources:
-            return value
-        if isinstance(value, list):
-            return [read(inner, (*key, index)) for index, inner in enumerate(value)]
-        if isinstance(value, str):
-            try:
-                scalar = yaml.safe_load(value)
-            except yaml.YAMLError:
-                return value
-            return value if isinstance(scalar, (dict, list)) else scalar
-        return value
-
-    return read(values, ())

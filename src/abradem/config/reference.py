@@ -81,6 +81,9 @@ def generated(root: Path) -> dict[Path, str]:
 
 def main(arguments: Sequence[str]) -> int:
     """Write the generated files below the current folder."""
+    if Config.__doc__ is None:
+        print("python -m abradem.config: needs docstrings, run it without -OO or PYTHONOPTIMIZE")
+        return 2
     # Not needed where the configuration is read, at every start of the workflow.
     from abradem.store.files import write_text
 

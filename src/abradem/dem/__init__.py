@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from abradem.dem import before_numba as before_numba
 from abradem.dem.model import (
     Case,
     ContactModel,

@@ -32,24 +32,30 @@ def cache_folder() -> Path:
     """Return the folder for the compiled kernels of this version of the engine.
 
     It is below ``ABRADEM_CACHE_DIR`` if that is set, otherwise below the user's cache folder.
-    If that folder cannot be written, it is below the temporary folder.
+    If that folder cannot be written, or the user has none, it is below the temporary folder.
     """
     base: str | Path | None = os.environ.get(ENVIRONMENT_VARIABLE)
-    if not base:
-        if sys.platform == "win32":
-            base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData/Local"
-        elif sys.platform == "darwin":
-            base = Path.home() / "Library/Caches"
-        else:
-            base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        base = Path(base) / "abradem"
-    folder = Path(base) / f"kernels-{engine_hash()}"
+    name = f"kernels-{engine_hash()}"
     try:
+        folder = Path(base or _user_folder()) / name
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return folder
-    except OSError:
-        return _private_folder() / folder.name
+    except (OSError, RuntimeError):
+        # Path.home() raises a RuntimeError for a user without a home, as in some containers.
+        return _private_folder() / name
+
+
+def _user_folder() -> Path:
+    """Return the folder for caches of this package below the user's."""
+    base: str | Path
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData/Local"
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library/Caches"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "abradem"
 
 
 def _private_folder() -> Path:
@@ -75,11 +81,23 @@ def kernel(function=None, *, inline: bool = False):
 
     numba chooses the folder when a function is decorated, so its setting is changed only during
     the decoration. Division by zero follows IEEE 754, as in numpy.
+
+    Raises
+    ------
+    RuntimeError
+        If numba was imported with NUMBA_DISABLE_JIT; its own functions are then not compiled
+        either. Imported by this package it is not, see
+        `abradem.dem.before_numba`.
     """
     if function is None:
         return functools.partial(kernel, inline=inline)
     import numba
 
+    if numba.config.DISABLE_JIT:
+        raise RuntimeError(
+            "NUMBA_DISABLE_JIT was set when numba was imported; the engine runs as compiled code "
+            "alone, so unset it"
+        )
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:

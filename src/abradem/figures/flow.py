@@ -12,6 +12,7 @@ from matplotlib.path import Path as Outline
 
 from abradem.dem.model import Setup
 from abradem.figures import style
+from abradem.words.escaping import for_mathtext
 
 WORDS = {
     "sample": ("draw parameter sets", "one table for each block of cases"),
@@ -302,7 +303,7 @@ def _generation(panel, needs, chain, study) -> None:
     words = (
         ("configuration", f"ranges of 14 quantities, seed {study['seed']}, set-up")
         if source is None
-        else ("external table", Path(source).name)
+        else ("external table", for_mathtext(Path(source).name))
     )
     _box(panel, x_middle, top, _WIDE, box[1], *words, tint="data")
     rows: dict[int, list[str]] = {}

@@ -107,6 +107,11 @@ def folds(rows: int, count: int, seed: int) -> list[tuple[np.ndarray, np.ndarray
     return [(np.setdiff1d(everything, part), part) for part in parts]
 
 
+def most_held_out(rows: int, fewest_trained: int) -> float:
+    """Largest share of ``rows`` that can be held out with so many left for training."""
+    return (rows - fewest_trained) / rows
+
+
 def held_out(rows: int, test_share: float) -> int:
     """Number of test rows.
 

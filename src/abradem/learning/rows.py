@@ -14,6 +14,9 @@ from abradem.store.tables import content_hash
 FEWEST_ROWS = 8
 """Smallest data set that leaves rows for validation after some are held out for testing."""
 
+FEWEST_TRAINED = 4
+"""Smallest number of training rows of a split: two folds of two rows."""
+
 
 class Table(NamedTuple):
     """Features and target, in the order of the case numbers.

@@ -15,6 +15,7 @@ from abradem.publish.description import (
     File,
 )
 from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED
+from abradem.words.escaping import for_markdown
 from abradem.words.labels import LABELS
 
 STEP_BIAS = {
@@ -55,7 +56,7 @@ def _head(said: Description) -> Iterable[str]:
     drawn = rows + len(said.failures)
     target = said.dataset["wear_total_mean"]
     return [
-        f"# {said.title}",
+        f"# {for_markdown(said.title)}",
         "",
         said.abstract,
         "",
@@ -208,9 +209,9 @@ def _limits(said: Description) -> Iterable[str]:
         "- **Noise.** The relative standard error of `wear_total_mean` is "
         f"{relative.median():.2%} in the median and {relative.quantile(0.95):.2%} at the 95th "
         f"percentile. {noise['cases']} cases with large particles were simulated again with other "
-        f"seeds ({noise['replicates']} runs). They show that no model of this column can exceed "
-        f"R2 = {noise['r2_floor']:.5f} ({noise['r2_floor_band'][0]:.5f} to "
-        f"{noise['r2_floor_band'][1]:.5f}). The columns `max` and `p99` are based on a few facets, "
+        f"seeds ({noise['replicates']} runs). "
+        + _floor(noise)
+        + " The columns `max` and `p99` are based on a few facets, "
         "are noisier, and depend on the size of the facets"
         + (
             f"; `wear_total_p99` is zero in {untouched} cases, in which most facets were not hit."
@@ -227,7 +228,7 @@ def _limits(said: Description) -> Iterable[str]:
         "- **Failed cases.** "
         + (
             f"{len(said.failures)} cases gave no rate. They are not missing at random; "
-            f"`failures.parquet` gives the reasons (most often: {reasons.index[0]})."
+            f"`failures.parquet` gives the reasons (most often: {for_markdown(reasons.index[0])})."
             if len(said.failures)
             else "None."
         ),
@@ -242,6 +243,16 @@ def _limits(said: Description) -> Iterable[str]:
     ]
 
 
+def _floor(noise) -> str:
+    if None in (noise["r2_floor"], *noise["r2_floor_band"]):
+        return "These are too few to tell the largest R2 that a model of this column can reach."
+    low, high = noise["r2_floor_band"]
+    return (
+        "They show that no model of this column can exceed "
+        f"R2 = {noise['r2_floor']:.5f} ({low:.5f} to {high:.5f})."
+    )
+
+
 def _rights(said: Description) -> Iterable[str]:
     return [
         "## Licence and citation",
@@ -249,7 +260,7 @@ def _rights(said: Description) -> Iterable[str]:
         f"[{LICENCE_NAME} ({LICENCE})]({LICENCE_URL}): free to use for any purpose with this "
         "citation:",
         "",
-        f"> {said.citation}",
+        f"> {for_markdown(said.reference)}" + (f" <{said.url}>" if said.url else ""),
         "",
         "```bibtex",
         said.bibtex,

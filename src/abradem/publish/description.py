@@ -8,6 +8,8 @@ from pathlib import PurePosixPath
 
 import pandas as pd
 
+from abradem.words.escaping import for_bibtex, names_for_bibtex
+
 LICENCE = "CC-BY-4.0"
 LICENCE_NAME = "Creative Commons Attribution 4.0 International"
 LICENCE_URL = "https://creativecommons.org/licenses/by/4.0/"
@@ -143,20 +145,24 @@ class Description:
         )
 
     @property
-    def citation(self) -> str:
-        """Citation of the data set as text."""
-        where = f" {self.url}" if self.url else ""
+    def reference(self) -> str:
+        """Creators, year, title and version of the data set as text."""
         return (
             f"{', '.join(self.creators)} ({self.date[:4]}). {self.title} (version "
-            f"{self.version}) [data set].{where}"
+            f"{self.version}) [data set]."
         )
+
+    @property
+    def citation(self) -> str:
+        """Citation of the data set as text, with its address."""
+        return f"{self.reference} {self.url}" if self.url else self.reference
 
     @property
     def bibtex(self) -> str:
         """Citation of the data set as BibTeX."""
         fields = {
-            "author": " and ".join(self.creators),
-            "title": self.title,
+            "author": names_for_bibtex(self.creators),
+            "title": for_bibtex(self.title),
             "year": self.date[:4],
             "version": self.version,
             **({"url": self.url} if self.url else {}),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping
 
 import pandas as pd
 
 from abradem.learning.physical.models import BEST
+from abradem.words.escaping import for_html
 from abradem.words.labels import LABELS
 
 NAMES = {
@@ -68,15 +68,14 @@ def findings(
 def to_html(title: str, paragraphs: list[tuple[str, str]]) -> str:
     """A self-contained HTML page with the findings."""
     body = "\n".join(
-        f"<h2>{html.escape(heading)}</h2>\n<p>{html.escape(text)}</p>"
-        for heading, text in paragraphs
+        f"<h2>{for_html(heading)}</h2>\n<p>{for_html(text)}</p>" for heading, text in paragraphs
     )
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">'
-        f"<title>{html.escape(title)}</title>\n"
+        f"<title>{for_html(title)}</title>\n"
         "<style>body{font-family:sans-serif;max-width:46em;margin:2em auto;line-height:1.5}"
         "</style></head>\n"
-        f"<body>\n<h1>{html.escape(title)}</h1>\n{body}\n</body>\n</html>\n"
+        f"<body>\n<h1>{for_html(title)}</h1>\n{body}\n</body>\n</html>\n"
     )
 
 

@@ -24,6 +24,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED, quantity
+from abradem.words.escaping import for_latex
 from abradem.words.labels import LABELS
 
 MISSING = "--"
@@ -171,7 +172,7 @@ def printed(value, form: str) -> str:
     if isinstance(value, (list, tuple)):
         return "-".join(printed(item, form) for item in value)
     if form == "text" or isinstance(value, str):
-        return escaped(str(value))
+        return for_latex(str(value))
     if value is None or not math.isfinite(value):
         return MISSING
     if form == "d":
@@ -212,11 +213,6 @@ def resolution(text: str) -> float:
     mantissa, _, power = plain.partition(r"\times10^")
     decimals = len(mantissa.partition(".")[2])
     return 0.5 * 10.0 ** ((int(power) if power else 0) - decimals)
-
-
-def escaped(text: str) -> str:
-    """Text with the special characters of LaTeX escaped."""
-    return re.sub(r"([&%$#_{}])", r"\\\1", text)
 
 
 def numbers_tex(numbers: Mapping[str, Number], study: str) -> str:
@@ -454,7 +450,7 @@ def models_tex(results: CitedResults, names: Mapping[str, str], study: str) -> s
                 "leakage_free_upper",
             )
         ]  # fmt: skip
-        rows.append([escaped(names.get(row.model, row.model)), *cells, escaped(row.basis)])
+        rows.append([for_latex(names.get(row.model, row.model)), *cells, for_latex(row.basis)])
     head = ["Model", "Printed", "As published", "Leakage-free", "From", "To", "Interval over"]
     return table_tex("lrrrrrl", head, rows, study)
 
@@ -468,7 +464,7 @@ def verification_tex(results: CitedResults, parts: Mapping[int, str], study: str
                 results.number(CHECKS, f"count where part={part}{more}", "d")
                 for more in ("", ", verdict=holds")
             ]
-            rows.append([escaped(parts[int(part)]), *counts])
+            rows.append([for_latex(parts[int(part)]), *counts])
     return table_tex("lrr", ["Part", "Checks", "Hold"], rows, study)
 
 

@@ -13,14 +13,25 @@ class MovieError(ValueError):
     """The film cannot be made; the message is one line."""
 
 
-def require_encoder():
-    """Import the module with the encoder; raises `MovieError` if it is not installed."""
+def why_no_film() -> str:
+    """Return in one line why no film can be made here, or ""."""
     try:
         import imageio_ffmpeg
+
+        imageio_ffmpeg.get_ffmpeg_exe()
     except ModuleNotFoundError:
-        raise MovieError(
-            "films need the package imageio-ffmpeg: pip install -e '.[movie]'"
-        ) from None
+        return "films need the package imageio-ffmpeg: pip install -e '.[movie]'"
+    except (OSError, RuntimeError) as error:
+        return f"films need ffmpeg: {' '.join(str(error).split())}"
+    return ""
+
+
+def require_encoder():
+    """Import the module with the encoder; raises `MovieError` if it is not installed."""
+    if reason := why_no_film():
+        raise MovieError(reason)
+    import imageio_ffmpeg
+
     return imageio_ffmpeg
 
 

@@ -23,6 +23,13 @@ def find_program() -> str | None:
     return next((name for name in PROGRAMS if shutil.which(name)), None)
 
 
+def why_not_typeset() -> str:
+    """Return in one line why no text can be typeset here, or ""."""
+    if find_program() is None:
+        return f"no LaTeX is installed (looked for {', '.join(PROGRAMS)})"
+    return ""
+
+
 def typeset(text: str | Path, study: str | Path, output: str | Path) -> None:
     r"""Typeset a text in which ``\study`` is the folder of a study's results.
 
@@ -43,16 +50,14 @@ def typeset(text: str | Path, study: str | Path, output: str | Path) -> None:
     program = find_program()
     if program is None:
         raise TypesetError(
-            f"no LaTeX is installed (looked for {', '.join(PROGRAMS)}); the tables and numbers in "
-            f"{study}/latex can be used elsewhere"
+            f"{why_not_typeset()}; the tables and numbers in {study}/latex can be used elsewhere"
         )
     with tempfile.TemporaryDirectory() as folder:
         main = Path(folder, "main.tex")
-        main.write_text(
-            rf"\def\study{{{Path(study).resolve().as_posix()}}}"
-            rf"\input{{{Path(text).resolve().as_posix()}}}" + "\n",
-            encoding="utf-8",
-        )
+        # TeX acts on blanks, braces, % and # in a path, so it sees links with plain names.
+        Path(folder, "study").symlink_to(Path(study).resolve())
+        Path(folder, "text.tex").symlink_to(Path(text).resolve())
+        main.write_text("\\def\\study{study}\\input{text.tex}\n", encoding="utf-8")
         for arguments in _commands(program):
             done = subprocess.run(
                 [*arguments, main.name], cwd=folder, capture_output=True, text=True,

@@ -10,6 +10,7 @@ import contextlib
 import glob
 import json
 import os
+import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
@@ -49,6 +50,37 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
         raise type(error)(error.errno, os.strerror(error.errno), str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def why_no_folder(folder: str | Path) -> str:
+    """Return in one line why a folder cannot be made or used, or ""; nothing is written."""
+    for path in reversed([Path(folder), *Path(folder).parents]):
+        try:
+            if path.is_symlink() and not path.exists():
+                return f"{path}: is a link to {os.readlink(path)}, which does not exist"
+            if path.exists() and not path.is_dir():
+                return f"{path}: is a file, where a folder must be"
+        except OSError as error:
+            return f"{path}: cannot be read: {error.strerror}"
+    return ""
+
+
+def why_not_written(folder: str | Path) -> str:
+    """Return in one line why no file can be written in a folder, or "".
+
+    A temporary file is written in the folder, or in the last folder above it that exists, and
+    removed.
+    """
+    if reason := why_no_folder(folder):
+        return reason
+    place = Path(folder)
+    while not place.exists() and place != place.parent:
+        place = place.parent
+    try:
+        with tempfile.TemporaryFile(dir=place):
+            return ""
+    except OSError as error:
+        return f"{place}: cannot be written: {error.strerror}"
 
 
 def _remove_left(path: Path) -> None:

@@ -11,6 +11,6 @@ from abradem.store.files import write_json
 from abradem.store.tables import write_table
 
 params = snakemake.params
-table = read_external(snakemake.input.table, params.columns)
+table = read_external(params.table, params.columns)
 write_table(arranged_rows(table, **params.rows), snakemake.output.rows, CALIBRATION)
 write_json({"trials": params.trials, "setups": params.setups}, snakemake.output.setups)

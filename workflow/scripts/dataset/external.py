@@ -8,5 +8,5 @@ from abradem.dataset.external import read_external
 from abradem.store.tables import write_table
 
 params = snakemake.params
-found = read_external(snakemake.input[0], params.columns, params.damping_coefficient)
+found = read_external(snakemake.params.table, params.columns, params.damping_coefficient)
 write_table(found, snakemake.output[0])
