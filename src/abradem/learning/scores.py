@@ -102,9 +102,16 @@ def central_columns(
     values: np.ndarray, confidence: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Median and ends of the central share of each column of ``values`` (n, k), see `central`."""
-    found = np.array([central(column, confidence)[1:] for column in np.asarray(values).T])
-    middle, lower, upper = found.reshape(-1, 3).T
-    return middle, lower, upper
+    columns = np.asarray(values, dtype=float).T
+    ends = np.array([central(column, confidence)[2:] for column in columns]).reshape(-1, 2)
+    return np.array([middle_of(column) for column in columns]), ends[:, 0], ends[:, 1]
+
+
+def middle_of(values: np.ndarray) -> float:
+    """Median of the defined values; nan if there are none."""
+    values = np.asarray(values, dtype=float)
+    values = values[np.isfinite(values)]
+    return float(np.median(values)) if values.size else np.nan
 
 
 def mean_columns(values: np.ndarray) -> np.ndarray:

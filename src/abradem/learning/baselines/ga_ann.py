@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, of_kind
 from abradem.learning.baselines import genetic
 from abradem.learning.baselines.genetic import Memory, Options, Search, SearchProblem
 from abradem.learning.baselines.selection import select
@@ -155,6 +156,9 @@ def published_network_split(table: Table) -> Split:
     """Rows, features and scalers of the published protocol."""
     train, test = published_split(len(table.target), PUBLISHED_NETWORK_SHARE)
     columns = np.array([FEATURE_NAMES.index(name) for name in SELECTED])
+    # Nothing can be learned from those held fixed; if all are, from the others.
+    varied = columns[np.isin(columns, table.varied)]
+    columns = varied if len(varied) else table.varied
     of_x = standard_scaler(table.features[:, columns])
     return Split(
         train,
@@ -269,8 +273,9 @@ def fit_networks(
         "fitness": _FITNESS[protocol],
         "features": [FEATURE_NAMES[column] for column in split.columns],
         "symbols": [quantity(FEATURE_NAMES[column]).symbol for column in split.columns],
+        "held_fixed": of_kind(FEATURE_NAMES, table.variation, HELD_FIXED),
         "architecture": list(search.best.layers),
-        "best_fitness": search.fitness,
+        "best_fitness": _stated(search.fitness),
         "lineage": _lineage(search),
         "generations": _generations(search),
         "networks_trained": search.trained,
@@ -281,7 +286,8 @@ def fit_networks(
             "test": len(split.test),
         },
         "searches": [
-            {"architecture": list(one.best.layers), "best_fitness": one.fitness} for _, one in found
+            {"architecture": list(one.best.layers), "best_fitness": _stated(one.fitness)}
+            for _, one in found
         ],
         "confidence": confidence,
         "scores": scores,
@@ -358,12 +364,17 @@ def _score(results: Results, model: str, protocol: str, repeat: int, split: Spli
         predicted = _predict(table, split, counted, rows)
         results.add(model, protocol, name, repeat, rows, predicted, floor, name == "test")
     if search is not None:
-        results.add_metrics(model, protocol, "search", repeat, {"R2": search.fitness})
+        results.add_metrics(model, protocol, "search", repeat, {"R2": _stated(search.fitness)})
     if len(looks) > 1:
         for number, look in enumerate(looks):
             predicted = _predict(table, split, look, split.test)
             results.add(model, protocol, "retrained", number, split.test, predicted, floor, False)
     return counted
+
+
+def _stated(fitness: float) -> float:
+    """A fitness as reported: nan if it is undefined, as for rows without spread."""
+    return float(fitness) if fitness > genetic.FAILED else np.nan
 
 
 def _lineage(search: Search) -> list[dict]:
@@ -372,6 +383,7 @@ def _lineage(search: Search) -> list[dict]:
     return [
         {"generation": generation, "individual": individual}
         | rows.loc[(generation, individual), columns].to_dict()
+        | {"fitness": _stated(rows.loc[(generation, individual), "fitness"])}
         for generation, individual in search.lineage
     ]
 
@@ -381,8 +393,8 @@ def _generations(search: Search) -> list[dict]:
     return [
         {
             "generation": generation,
-            "best_fitness": rows["fitness"].max(),
-            "median_fitness": rows["fitness"].median(),
+            "best_fitness": _stated(rows["fitness"].max()),
+            "median_fitness": _stated(rows["fitness"].median()),
             "fewest_parameters": rows["parameters"].min(),
             "median_parameters": rows["parameters"].median(),
             "most_parameters": rows["parameters"].max(),

@@ -14,7 +14,7 @@ from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.power_law import SHARES, PowerLaw
 from abradem.learning.physical.problem import WearProblem, problem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
-from abradem.learning.scores import central, r2, scores_of
+from abradem.learning.scores import central, middle_of, r2, scores_of
 from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, WEAR_COLUMNS
 from abradem.surrogate.groups import GROUP_NAMES, Jet
 
@@ -102,7 +102,8 @@ def fit_physical(
     exponents : pandas.DataFrame
         See `PowerLaw.exponents`.
     summary : dict
-        ``equation``, ``equation_tex`` and ``scatter`` of the power law; ``held_fixed`` and
+        ``equation``, ``equation_tex`` and ``scatter`` of the power law, and the ``exponents`` of the
+        quantities; ``held_fixed`` and
         ``not_identified``, the sampled quantities without which the models learned; ``lengths`` of the
         process (in standard deviations of each group), its ``noise``, and ``outliers``, the cases
         with a weight below 0.5; ``raised``, see `WearProblem`; ``scores`` of each model.
@@ -112,7 +113,7 @@ def fit_physical(
     results = evaluate(given, models, test_share, repeats, seed)
     everything = np.arange(len(given.log_number))
     law = fitted(models[POWER_LAW], given, everything)
-    fixed = fixed_quantities(given)
+    exponents = law.exponents(fixed_quantities(given))
     process = fitted(models[PROCESS], given, everything)
     scores = {name: scores_of(results.scores, name, LEAKAGE_FREE, confidence) for name in models}
     # If the process was fitted to a subset, its weights do not match the rows.
@@ -121,6 +122,7 @@ def fit_physical(
         "equation": law.equation(),
         "equation_tex": law.equation_tex(),
         "scatter": law.scatter,
+        "exponents": exponents[exponents["kind"] == "quantity"].to_dict("records"),
         "held_fixed": of_kind(SAMPLED_NAMES, given.variation, HELD_FIXED),
         "not_identified": of_kind(SAMPLED_NAMES, given.variation, NOT_IDENTIFIED),
         "lengths": dict(zip(GROUP_NAMES, process.lengths, strict=True)),
@@ -141,7 +143,7 @@ def fit_physical(
         "target": {"name": given.table.target_name, "unit": given.table.unit},
         "scores": scores[PROCESS],
     }
-    return results, law.exponents(fixed), summary, (description, process.arrays())
+    return results, exponents, summary, (description, process.arrays())
 
 
 def fixed_quantities(given: WearProblem) -> list[str]:
@@ -197,8 +199,7 @@ def all_targets(
                        predicted + np.log(given.scale[test]))
                 )  # fmt: skip
             scored, *ends = central(raw, confidence)
-            of_log = central(logarithmic, confidence)[1]
-            rows.append((target, name, scored, *ends, of_log, given.raised))
+            rows.append((target, name, scored, *ends, middle_of(logarithmic), given.raised))
     columns = [
         "target", "model", "repeats", "r2", "r2_lower", "r2_upper", "r2_log", "raised",
     ]  # fmt: skip

@@ -244,7 +244,7 @@ class PowerLaw:
             said += aside(f"C is {UNDETERMINED}")
         for kind, words in (
             (HELD_FIXED, "held fixed, their effect is in the constant: "),
-            (NOT_IDENTIFIED, "not identified, since they varied only together: "),
+            (NOT_IDENTIFIED, "not identified, as the rows do not tell them apart: "),
         ):
             found = [names[k] for k in order if self.variation[k] == kind]
             if found:
