@@ -37,6 +37,9 @@ SLACK = 0.01
 """Share of a training range by which a value may be outside it without a warning: the cases of a
 study do not reach the exact ends of its ranges."""
 
+LARGEST_LOG = 300.0
+"""Largest logarithm of a wear number or of the end of an interval; beyond it they overflow."""
+
 NETWORKS = ("mean", "spread")
 """Networks for the logarithm of the wear number and of its standard deviation."""
 
@@ -183,8 +186,9 @@ class Surrogate:
             for place, column in enumerate(group_columns(block, self.jet)):
                 z[:, place] = (column - self.group_mean[place]) / self.group_scale[place]
             mean, spread = (_run(self.layers[name], z).astype(float) for name in NETWORKS)
-            rate[part] = wear_scale(block, self.jet) * np.exp(mean)
-            ratio[part] = np.exp(factor * np.exp(spread))
+            rate[part] = wear_scale(block, self.jet) * np.exp(np.minimum(mean, LARGEST_LOG))
+            reach = factor * np.exp(np.minimum(spread, LARGEST_LOG))
+            ratio[part] = np.exp(np.minimum(reach, LARGEST_LOG))
         return Prediction(rate, rate / ratio, rate * ratio, confidence, self._outside(columns))
 
     def _factor(self, confidence: float) -> float:

@@ -44,7 +44,7 @@ from abradem.learning.protocols import (
     repeated_splits,
 )
 from abradem.learning.published import NETWORK, SELECTED
-from abradem.learning.rows import Scaler, Table, standard_scaler
+from abradem.learning.rows import HUGE, Scaler, Table, standard_scaler
 from abradem.learning.scores import scores_of
 from abradem.quantities import FEATURE_NAMES, quantity
 
@@ -354,10 +354,11 @@ def _score(results: Results, model: str, protocol: str, repeat: int, split: Spli
     if protocol == AS_PUBLISHED:
         # As published, the best network on the test rows counts, that of the search included.
         candidates = looks + ([(search.network, split.search_scalers)] if search else [])
-        errors = [
-            np.mean((_predict(table, split, look, split.test) - table.target[split.test]) ** 2)
-            for look in candidates
-        ]
+        actual = table.target[split.test]
+        away = [_predict(table, split, look, split.test) - actual for look in candidates]
+        # Squares of huge errors overflow; the unit does not change the order.
+        unit = max(1.0, np.abs(away).max() / HUGE)
+        errors = [np.mean((error / unit) ** 2) for error in away]
         counted = candidates[int(np.argmin(errors))]
     floor = float(table.target[split.train].min())
     for name, rows in (("train", split.train), ("test", split.test)):

@@ -236,12 +236,14 @@ class PowerLaw:
         powers = [power(names[k], shown(k, ".3f")) for k in varied if k <= count]
         sums = [summand(shown(k, "+.3f"), names[k]) for k in varied if k > count]
         said = pattern.format(
-            c=plain_number(np.exp(values[0]), ".3g") if self.variation[0] == VARIED else "C",
+            c=plain_number(factor_of(values[0]), ".3g") if self.variation[0] == VARIED else "C",
             powers="".join(between[0] + one for one in powers),
             exponential=between[1].format(" ".join(sums)) if sums else "",
         )
         if self.variation[0] != VARIED:
             said += aside(f"C is {UNDETERMINED}")
+        if not np.isfinite(errors).all():
+            said += aside("standard errors are not determined, the rows are too few")
         for kind, words in (
             (HELD_FIXED, "held fixed, their effect is in the constant: "),
             (NOT_IDENTIFIED, "not identified, as the rows do not tell them apart: "),
@@ -250,6 +252,11 @@ class PowerLaw:
             if found:
                 said += aside(words + listed(found))
         return said
+
+
+def factor_of(logarithm: float) -> float:
+    """The factor C from its logarithm, without overflow."""
+    return float(np.exp(min(logarithm, 700.0)))
 
 
 def _design(x: np.ndarray) -> np.ndarray:
