@@ -210,18 +210,21 @@ def figures_of(table, found):
     yield "coefficients", linear.coefficients_figure(one.coefficients, one.summary)
     yield "predicted", linear.predicted_figure(one.predictions, one.summary)
     yield "residuals", residuals.residuals_figure(one.residuals, one.coefficients, one.summary)
-    yield "penalised", penalised.penalised_figure(
-        lasso.paths, lasso.validation, lasso.weights, lasso.summary
+    yield (
+        "penalised",
+        penalised.penalised_figure(lasso.paths, lasso.validation, lasso.weights, lasso.summary),
     )
-    yield "selection", selection.selection_figure(
-        found["selection"].selection, found["selection"].summary
+    yield (
+        "selection",
+        selection.selection_figure(found["selection"].selection, found["selection"].summary),
     )
     yield "correlations", pca.draw_correlations(of_pca.correlations, one.summary)
     yield "loadings", pca.loadings_figure(of_pca.loadings, of_pca.scree, of_pca.summary)
     yield "components", pca.components_curve_figure(of_pca.curve)
     yield "tree", trees.tree_figure(of_trees.nodes, of_trees.summary)
-    yield "tree_depth", trees.tree_curve_figure(
-        of_trees.curve, of_trees.importance, of_trees.summary
+    yield (
+        "tree_depth",
+        trees.tree_curve_figure(of_trees.curve, of_trees.importance, of_trees.summary),
     )
     yield "ga_ann", ga_ann.draw(histories, marks, summaries)
     yield "architecture", draw_architecture(summaries)
@@ -230,12 +233,14 @@ def figures_of(table, found):
         scored.comparison, found["intervals"].calibration, found["reach"].curve, sensed.indices,
         found["physical"].exponents, None, NAME,
     )  # fmt: skip
-    yield "sensitivity", sensitivity.sensitivity_figure(
-        sensed.indices, sensed.falls, sensed.dependence, NAME
+    yield (
+        "sensitivity",
+        sensitivity.sensitivity_figure(sensed.indices, sensed.falls, sensed.dependence, NAME),
     )
     yield "reach", reach.reach_figure(found["reach"].extrapolation, found["reach"].targets, NAME)
-    yield "comparison", of_comparison.comparison_figure(
-        scored.comparison, scored.beside_paper, NAME
+    yield (
+        "comparison",
+        of_comparison.comparison_figure(scored.comparison, scored.beside_paper, NAME),
     )
     yield "predictions", of_comparison.predictions_figure(scored.predictions, scored.comparison)
 

@@ -12,6 +12,7 @@ from abradem.config import (
     to_yaml,
     typical_case,
 )
+from abradem.dataset.variation import nothing_varies
 from abradem.figures.catalogue import FIGURES, SIMULATIONS
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
@@ -53,6 +54,15 @@ LOGS = f"{RESULTS}/logs"
 SETUP = setup_dict(CONFIG)
 # False if the models are trained on an external table.
 SIMULATED = CONFIG.dataset.external is None
+
+# Why nothing can be learned, or "". The data set alone can still be made: it holds repetitions of
+# one case.
+NOTHING_VARIES = (
+    "sampling.ranges: every quantity is held fixed, so nothing can be learned (allowed: a lower "
+    "and an upper bound that differ for at least one; `snakemake dataset` makes the data set)"
+    if SIMULATED and nothing_varies(sampled_ranges(CONFIG))
+    else ""
+)
 
 # Hashes of the code that rules depend on, by script; they are parameters of the rules.
 CODE = {}

@@ -1,6 +1,7 @@
 # An external table replaces sampling, simulation and data set.
 from abradem.store.files import TableError
 from abradem.dataset.external import read_external
+from abradem.quantities import SAMPLED_NAMES
 
 EXTERNAL = CONFIG.dataset.external
 
@@ -8,7 +9,15 @@ if not Path(EXTERNAL).is_file():
     sys.exit(f"dataset.external: {EXTERNAL}: there is no such file")
 try:
     # Checked before anything is written; the rule reads the table again.
-    read_external(EXTERNAL, CONFIG.dataset.columns)
+    if nothing_varies(
+        read_external(EXTERNAL, CONFIG.dataset.columns)[list(SAMPLED_NAMES)].to_dict(
+            "list"
+        )
+    ):
+        NOTHING_VARIES = (
+            f"dataset.external: {EXTERNAL}: every quantity has the same value in all rows, so "
+            "nothing can be learned (allowed: at least one that varies)"
+        )
 except TableError as error:
     sys.exit(str(error))
 

@@ -171,6 +171,20 @@ def variation(values: np.ndarray, names: Sequence[str]) -> np.ndarray:
     return found
 
 
-def of_kind(names: Sequence[str], found: Sequence[str], kind: str) -> list[str]:
+def of_kind(names: Iterable[str], found: Iterable[str], kind: str) -> list[str]:
     """The names of the quantities of a kind, such as `HELD_FIXED`."""
     return [name for name, one in zip(names, found, strict=True) if one == kind]
+
+
+def nothing_varies(values: Mapping[str, Sequence[float]]) -> bool:
+    """Whether every quantity was held fixed.
+
+    Parameters
+    ----------
+    values : mapping of str to sequence of float
+        The ends of the range of each quantity, or its values in all rows.
+    """
+    return all(
+        held_fixed(np.asarray(found, dtype=float)[:, None], scales_of([name]))[0]
+        for name, found in values.items()
+    )

@@ -187,7 +187,7 @@ def _score_words(model: dict) -> str:
     if not is_number(score["median"]):
         return "held-out $R^2$ is not determined"
     middle = style.minus(score_number(score["median"], 2))
-    ends = style.minus(score_range(score["lower"], score["upper"], 2))
+    ends = style.minus(score_range((score["lower"], score["upper"]), 2))
     share = 100.0 * model["confidence"]
     return f"held-out $R^2$: {middle} (median of splits)\n{share:g} % of splits: {ends}"
 

@@ -15,7 +15,7 @@ from abradem.figures import style
 from abradem.learning.physical.power_law import factor_of
 from abradem.learning.protocols import LEAKAGE_FREE
 from abradem.words.labels import GROUP_LABELS, LABELS, MODELS, Label
-from abradem.words.numbers import UNDETERMINED, percentage, plain_number, score_number
+from abradem.words.numbers import UNDETERMINED, number_or_words, percentage, score_number
 
 SHOWN_OTHERS = ("linear", "ridge", "tree", "forest", "ga_ann")
 LEAST = 1e-4
@@ -250,7 +250,7 @@ def _exponents(panel: Axes, exponents: pd.DataFrame) -> None:
         if np.isfinite(reach):
             panel.plot([place] * 2, [row.exponent - reach, row.exponent + reach], color=colour)
         panel.plot(place, row.exponent, "o", ms=3.5, color=colour)
-        text = style.minus(plain_number(row.exponent, ".2f"))
+        text = style.minus(number_or_words(row.exponent, ".2f"))
         panel.annotate(
             text, (place, row.exponent), xytext=(5.0, 4.0), textcoords="offset points",
             fontsize=6.5, va="center", color=colour,
@@ -300,7 +300,11 @@ def _law(known: pd.DataFrame) -> str:
              (r"\varphi^2", "plate_angle_squared"))  # fmt: skip
     total = "".join(f"{value[term]:+.2f}{symbol}" for symbol, term in terms if term in value)
     scale = r"\frac{W \dot m v^2}{2A}"
-    constant = style.number(factor_of(value["constant"]), 2).replace("$", "") if "constant" in value else "C"
+    constant = (
+        style.number(factor_of(value["constant"]), 2).replace("$", "")
+        if "constant" in value
+        else "C"
+    )
     lines = [rf"$\dot h = {scale} \cdot {constant}\;{first}$"]
     if second or total:
         factor = rf"\;\exp({total})" if total else ""

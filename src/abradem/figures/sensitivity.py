@@ -13,7 +13,6 @@ from abradem.figures import style
 from abradem.quantities import quantity
 from abradem.words.labels import LABELS
 
-
 _INDICES = ("first", "total", "total_lower", "total_upper")
 _FALLS = ("fall", "fall_lower", "fall_upper")
 

@@ -25,7 +25,7 @@ from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 from abradem.quantities import quantity
 from abradem.store.files import replacing
 from abradem.words.labels import LABELS, feature_label
-from abradem.words.numbers import LARGEST, is_number, plain_number
+from abradem.words.numbers import LARGEST, is_number, number_or_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -155,9 +155,9 @@ def name_unvaried(panel: Axes, variation: Iterable[str], upright: bool = False) 
     for place, says in enumerate(variation):
         if says == VARIED:
             continue
-        where = (place, 0.03) if upright else (0.02, place)
+        x, y = (float(place), 0.03) if upright else (0.02, float(place))
         panel.text(
-            *where, says, fontsize=6.5, color=GREY, rotation=90.0 if upright else 0.0,
+            x, y, says, fontsize=6.5, color=GREY, rotation=90.0 if upright else 0.0,
             transform=panel.get_xaxis_transform() if upright else panel.get_yaxis_transform(),
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
             ha="center" if upright else "left", va="bottom" if upright else "center",
@@ -226,7 +226,7 @@ def scaled_unit(power: int, unit: str) -> str:
 def number(value: float, digits: int = 3) -> str:
     """A number as printed, with a minus sign and, if necessary, a power of ten."""
     if not is_number(value) or abs(value) > LARGEST:
-        return minus(plain_number(value))
+        return minus(number_or_words(value))
     text = f"{value:.{digits}g}"
     if "e" in text:
         mantissa, power = text.split("e")
@@ -237,7 +237,7 @@ def number(value: float, digits: int = 3) -> str:
 def with_error(value: float, error: float, unit: str) -> str:
     """A value and its standard error, rounded to two digits of the error, with the unit."""
     if not is_number(value) or abs(value) > LARGEST:
-        return minus(plain_number(value))
+        return minus(number_or_words(value))
     power = math.floor(math.log10(abs(value))) if value else 0
     power = 0 if -2 < power < 3 else power
     value, error = value / 10.0**power, error / 10.0**power

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from abradem.dataset.variation import held_fixed
 from abradem.learning.rows import HUGE
@@ -73,12 +74,12 @@ def _r2_of(actual: np.ndarray, error: np.ndarray) -> np.ndarray:
     return np.maximum(1.0 - np.sum(error**2, axis=1) / spread, WORST)
 
 
-def central(values: np.ndarray, confidence: float) -> tuple[int, float, float, float]:
+def central(values: ArrayLike, confidence: float) -> tuple[int, float, float, float]:
     """Number of defined values, their median, and the ends of their central share.
 
     Parameters
     ----------
-    values : ndarray
+    values : array of float
         Undefined ones are nan and do not count.
     confidence : float
         Central share.
@@ -89,13 +90,12 @@ def central(values: np.ndarray, confidence: float) -> tuple[int, float, float, f
     middle, lower, upper : float
         nan if no value is defined.
     """
-    values = np.asarray(values, dtype=float)
-    values = values[np.isfinite(values)]
-    if not values.size:
+    found = _defined(values)
+    if not found.size:
         return 0, np.nan, np.nan, np.nan
     tail = 50.0 * (1.0 - confidence)
-    lower, middle, upper = np.percentile(values, [tail, 50.0, 100.0 - tail])
-    return values.size, float(middle), float(lower), float(upper)
+    lower, middle, upper = np.percentile(found, [tail, 50.0, 100.0 - tail])
+    return found.size, float(middle), float(lower), float(upper)
 
 
 def central_columns(
@@ -107,11 +107,15 @@ def central_columns(
     return np.array([middle_of(column) for column in columns]), ends[:, 0], ends[:, 1]
 
 
-def middle_of(values: np.ndarray) -> float:
+def middle_of(values: ArrayLike) -> float:
     """Median of the defined values; nan if there are none."""
-    values = np.asarray(values, dtype=float)
-    values = values[np.isfinite(values)]
-    return float(np.median(values)) if values.size else np.nan
+    found = _defined(values)
+    return float(np.median(found)) if found.size else np.nan
+
+
+def _defined(values: ArrayLike) -> np.ndarray:
+    found = np.asarray(values, dtype=float)
+    return found[np.isfinite(found)]
 
 
 def mean_columns(values: np.ndarray) -> np.ndarray:

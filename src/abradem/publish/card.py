@@ -17,7 +17,7 @@ from abradem.publish.description import (
 )
 from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED
 from abradem.words.labels import LABELS
-from abradem.words.numbers import percentage, plain_number, score_number, score_range
+from abradem.words.numbers import number_or_words, percentage, score_number, score_range
 
 STEP_BIAS = {
     0.15: "total by at most 0.9 %, sliding by 1.1 %, friction by 0.5 %",
@@ -62,7 +62,8 @@ def _head(said: Description) -> Iterable[str]:
         said.abstract,
         "",
         f"{rows} of {drawn} sampled cases; plate-mean wear depth rates from "
-        f"{plain_number(target.min())} to {plain_number(target.max())} mm/s. Version {said.version} of {said.date}. {LICENCE}.",
+        f"{number_or_words(target.min())} to {number_or_words(target.max())} mm/s. "
+        f"Version {said.version} of {said.date}. {LICENCE}.",
     ]
 
 
@@ -140,7 +141,8 @@ def _making(said: Description) -> Iterable[str]:
         "",
         f"Parameters were drawn by `{sampling['method']}` in {sampling['blocks']} blocks of "
         f"{sampling['cases_per_block']} with seed {said.config['seed']}, each quantity uniformly "
-        "over its range and independently of the others, unless it was held fixed. `config.yaml` contains all options.",
+        "over its range and independently of the others, unless it was held fixed. "
+        "`config.yaml` contains all options.",
         "",
         f"Software: {versions}. `versions.json` also contains a hash of the code of each step. The "
         "same configuration, seed and code give the same numbers on any number of cores.",
@@ -214,7 +216,8 @@ def _limits(said: Description) -> Iterable[str]:
         f"percentile. {noise['cases']} cases with large particles were simulated again with other "
         f"seeds ({noise['replicates']} runs). They show that no model of this column can exceed "
         f"R2 = {score_number(noise['r2_floor'], 5)} "
-        f"({score_range(*noise['r2_floor_band'], 5)}). The columns `max` and `p99` are based on a few facets, "
+        f"({score_range(noise['r2_floor_band'], 5)}). The columns `max` and `p99` are based on a "
+        "few facets, "
         "are noisier, and depend on the size of the facets"
         + (
             f"; `wear_total_p99` is zero in {untouched} cases, in which most facets were not hit."
@@ -264,7 +267,7 @@ def _rights(said: Description) -> Iterable[str]:
 
 
 def _number(value: float) -> str:
-    return plain_number(value, ".4g" if 1e-3 <= abs(value) < 1e5 else ".3g")
+    return number_or_words(value, ".4g" if 1e-3 <= abs(value) < 1e5 else ".3g")
 
 
 def _row(name: str, words: str, size: int) -> str:

@@ -13,9 +13,9 @@ from abradem.learning.physical.reach import TESTS
 from abradem.words.labels import LABELS
 from abradem.words.numbers import (
     is_number,
+    number_or_words,
     number_with_error,
     percentage,
-    plain_number,
     score_number,
     score_range,
 )
@@ -94,9 +94,7 @@ def to_html(title: str, paragraphs: list[tuple[str, str]]) -> str:
 def _comparison(physical: Mapping, surrogate: Mapping, noise: Mapping | None) -> str:
     scores = {**physical["scores"], "surrogate": surrogate["scores"]}
     names = {**NAMES, "surrogate": "surrogate distilled from the Gaussian process"}
-    listed = "; ".join(
-        f"{names[name]} {_score(scores[name]['test']['R2'])}" for name in names
-    )
+    listed = "; ".join(f"{names[name]} {_score(scores[name]['test']['R2'])}" for name in names)
     text = (
         "R2 on held-out cases, median over the splits (surrogate: over the first splits) and "
         f"central share of the splits: {listed}."
@@ -108,11 +106,11 @@ def _comparison(physical: Mapping, surrogate: Mapping, noise: Mapping | None) ->
         text += (
             f" The noise of the simulations limits any model to "
             f"{score_number(noise['r2_floor'], 5)} "
-            f"({score_range(*noise['r2_floor_band'], 5)}, from {noise['replicates']} simulations "
+            f"({score_range(noise['r2_floor_band'], 5)}, from {noise['replicates']} simulations "
             f"of {noise['cases']} cases with other seeds; "
             f"{score_number(noise['r2_floor_of_stated_errors'], 5)} from the standard errors of "
             f"the simulations, whose variance is "
-            f"{plain_number(1.0 / noise['ratio'] if noise['ratio'] else None, '.2g')} "
+            f"{number_or_words(1.0 / noise['ratio'] if noise['ratio'] else None, '.2g')} "
             "times that over the seeds). "
         )
         if is_number(best):
@@ -141,9 +139,7 @@ def _intervals(intervals: Mapping) -> str:
 def _curve(curve: pd.DataFrame) -> str:
     parts = []
     for name, rows in curve.groupby("model", sort=False):
-        steps = ", ".join(
-            f"{score_number(row.r2)} from {row.trained}" for row in rows.itertuples()
-        )
+        steps = ", ".join(f"{score_number(row.r2)} from {row.trained}" for row in rows.itertuples())
         parts.append(f"{NAMES[name]} {steps}")
     return f"R2 by number of training cases: {'; '.join(parts)}."
 
@@ -159,7 +155,8 @@ def _extrapolation(extrapolation: pd.DataFrame, fixed: Collection[str]) -> str:
     for words, rows in extrapolation.groupby("words", sort=False):
         best = rows[rows["model"] == BEST].iloc[0]
         others = ", ".join(
-            f"{NAMES[row.model]} {score_number(row.r2, 3)}" for row in rows[rows["model"] != BEST].itertuples()
+            f"{NAMES[row.model]} {score_number(row.r2, 3)}"
+            for row in rows[rows["model"] != BEST].itertuples()
         )
         parts.append(
             f"{words} ({best['tested']} cases): {NAMES[BEST]} {score_number(best['r2'], 3)} "
@@ -198,7 +195,7 @@ def _score(r2: Mapping) -> str:
     """R2 and its interval over the splits."""
     if not is_number(r2["median"]):
         return score_number(None)
-    return f"{score_number(r2['median'])} ({score_range(r2['lower'], r2['upper'])})"
+    return f"{score_number(r2['median'])} ({score_range((r2['lower'], r2['upper']))})"
 
 
 def _speed(speed: Mapping) -> str:
@@ -299,10 +296,10 @@ def _falls(falls: pd.DataFrame) -> list[str]:
     first, *others = known.sort_values("fall", ascending=False).head(4).itertuples(index=False)
     said = (
         f"When shuffled among held-out cases, {LABELS[first.feature].long_name} causes the "
-        f"largest fall of R2 ({plain_number(first.fall, '.2f')})"
+        f"largest fall of R2 ({number_or_words(first.fall, '.2f')})"
     )
     rest = ", ".join(
-        f"{LABELS[row.feature].long_name} ({plain_number(row.fall, '.2f')})" for row in others
+        f"{LABELS[row.feature].long_name} ({number_or_words(row.fall, '.2f')})" for row in others
     )
     return [f"{said}, followed by {rest}." if rest else f"{said}."]
 

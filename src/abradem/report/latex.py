@@ -402,13 +402,13 @@ def quantities_tex(results: CitedResults, study: str) -> str:
         unit = row.config_unit if row.kind == "sampled" else row.unit
         head = [row.symbol, f"${LABELS[row.name].tex}$", LABELS[row.name].long_name, unit_tex(unit)]
         if row.kind == "sampled":
-            ends: list[str | Number] = [
+            ends = [
                 results.number(CONFIG, f"sampling.ranges.{row.config_key}.{index}", "4g")
                 for index in (0, 1)
             ]
-            if held_fixed(np.array([[results.value(CONFIG, end.place)] for end in ends]))[0]:
-                ends[1] = HELD_FIXED
-            rows.append([*head, *ends, ""])
+            values = np.array([[results.value(CONFIG, end.place)] for end in ends])
+            fixed = held_fixed(values)[0]
+            rows.append([*head, ends[0], HELD_FIXED if fixed else ends[1], ""])
         else:
             formula = DERIVATIONS.get(row.name, "")
             formula = formula[form] if isinstance(formula, dict) else formula

@@ -39,9 +39,10 @@ def study_summary(
     dict
         ``external``, ``cases``, ``target``, ``wear_range`` (mm/s), ``models`` (leakage-free R2 on
         held-out rows: model, r2, lower, upper, basis), ``held_fixed`` (quantities that did not
-        vary) and ``misprints`` of the printed equation (None unless the data set is the paper's). For simulations also the entries of
-        `quality_counts`, with ``cases`` the number of sampled cases, ``simulated`` those in the
-        data set, ``failures`` the others, and ``reasons`` the number of failures by reason.
+        vary) and ``misprints`` of the printed equation (None unless the data set is the paper's).
+        For simulations also the entries of `quality_counts`, with ``cases`` the number of sampled
+        cases, ``simulated`` those in the data set, ``failures`` the others, and ``reasons`` the
+        number of failures by reason.
     """
     target = dataset[linear["target"]["name"]]
     found = {

@@ -49,7 +49,7 @@ def readable(table: pd.DataFrame) -> pd.DataFrame:
     feature that others determine.
     """
     shown = table.copy()
-    for name in shown.columns[shown.dtypes == float]:
+    for name in shown.columns[shown.dtypes == "float64"]:
         values = shown[name].to_numpy()
         shown[name] = np.where(np.abs(values) <= LARGEST, values, np.nan)
     return shown

@@ -311,9 +311,7 @@ def _curve_rows(protocol, target, found, lower=np.nan, upper=np.nan) -> pd.DataF
     )
 
 
-def _loadings(
-    protocol: str, parts: Components, z: np.ndarray, names: list[str]
-) -> pd.DataFrame:
+def _loadings(protocol: str, parts: Components, z: np.ndarray, names: list[str]) -> pd.DataFrame:
     spread = z.std(axis=0, ddof=1) if len(z) > 1 else np.ones(z.shape[1])
     # Correlation of feature j and component i: axis_ij sqrt(variance_i) / spread_j.
     correlation = parts.axes * np.sqrt(parts.variances)[:, None]

@@ -243,9 +243,7 @@ def _names(found: np.ndarray) -> list[str]:
     return [name for name, weight in zip(FEATURE_NAMES, found, strict=True) if weight != 0.0]
 
 
-def _weight_rows(
-    model: str, protocol: str, found: np.ndarray, variation: np.ndarray
-) -> list[dict]:
+def _weight_rows(model: str, protocol: str, found: np.ndarray, variation: np.ndarray) -> list[dict]:
     return [
         {
             "model": model,

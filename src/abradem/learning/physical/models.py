@@ -102,11 +102,11 @@ def fit_physical(
     exponents : pandas.DataFrame
         See `PowerLaw.exponents`.
     summary : dict
-        ``equation``, ``equation_tex`` and ``scatter`` of the power law, and the ``exponents`` of the
-        quantities; ``held_fixed`` and
-        ``not_identified``, the sampled quantities without which the models learned; ``lengths`` of the
-        process (in standard deviations of each group), its ``noise``, and ``outliers``, the cases
-        with a weight below 0.5; ``raised``, see `WearProblem`; ``scores`` of each model.
+        ``equation``, ``equation_tex`` and ``scatter`` of the power law, and the ``exponents`` of
+        the quantities; ``held_fixed`` and ``not_identified``, the sampled quantities on which the
+        rows say nothing alone; ``lengths`` of the process (in standard deviations of each group),
+        its ``noise``, and ``outliers``, the cases with a weight below 0.5; ``raised``, see
+        `WearProblem`; ``scores`` of each model.
     process : tuple of dict
         Description and arrays of the Gaussian process.
     """
@@ -149,8 +149,11 @@ def fit_physical(
 def fixed_quantities(given: WearProblem) -> list[str]:
     """Quantities of the power law (`abradem.learning.physical.power_law.SHARES`) held fixed."""
     fixed = set(of_kind(SAMPLED_NAMES, given.variation, HELD_FIXED))
-    fixed |= {FEATURE_NAMES[place] for place in range(len(FEATURE_NAMES))
-              if place not in given.table.varied}
+    fixed |= {
+        FEATURE_NAMES[place]
+        for place in range(len(FEATURE_NAMES))
+        if place not in given.table.varied
+    }
     return [name for name in SHARES if (name if name in FEATURE_NAMES else VELOCITY) in fixed]
 
 

@@ -74,7 +74,8 @@ def noise_floor(
     error = dataset["wear_total_mean_stderr"].to_numpy(dtype=float)
     share, log_share = (
         float(np.sum(noise**2) / np.sum((values - values.mean()) ** 2))
-        if has_spread(values) else np.nan
+        if has_spread(values)
+        else np.nan
         for noise, values in ((error, y), (error / y, np.log(y)))
     )
     ratio = weighted / freedom if freedom else np.nan

@@ -36,7 +36,7 @@ from abradem.dataset.variation import (
     row_space,
 )
 from abradem.surrogate.groups import GROUP_NAMES
-from abradem.words.numbers import UNDETERMINED, number_with_error, plain_number
+from abradem.words.numbers import UNDETERMINED, number_or_words, number_with_error
 
 _TOLERANCE = 1e-5
 """Share of a combination of coefficients that may lie outside of what the rows determine."""
@@ -236,7 +236,7 @@ class PowerLaw:
         powers = [power(names[k], shown(k, ".3f")) for k in varied if k <= count]
         sums = [summand(shown(k, "+.3f"), names[k]) for k in varied if k > count]
         said = pattern.format(
-            c=plain_number(factor_of(values[0]), ".3g") if self.variation[0] == VARIED else "C",
+            c=number_or_words(factor_of(values[0]), ".3g") if self.variation[0] == VARIED else "C",
             powers="".join(between[0] + one for one in powers),
             exponential=between[1].format(" ".join(sums)) if sums else "",
         )
