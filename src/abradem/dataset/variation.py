@@ -136,7 +136,7 @@ def ranks(values: np.ndarray) -> np.ndarray:
     return found
 
 
-def variation(values: np.ndarray, names: Sequence[str]) -> np.ndarray:
+def variation(values: np.ndarray, names: Sequence[str], linear: bool = False) -> np.ndarray:
     """What the rows say about each quantity: varied, held fixed or not identified.
 
     Parameters
@@ -144,12 +144,14 @@ def variation(values: np.ndarray, names: Sequence[str]) -> np.ndarray:
     values : ndarray, shape (n, p)
     names : sequence of str
         Names of the columns.
+    linear : bool
+        Whether only linear dependence counts, as for the coefficients of a linear model.
+        Otherwise quantities that always rise and fall together are not identified, whatever the
+        function between them.
 
     Returns
     -------
     ndarray of str, shape (p,)
-        Quantities that always rise and fall together are not identified, whatever the function
-        between them.
     """
     found = np.full(len(names), VARIED, dtype=object)
     fixed = held_fixed(values, scales_of(names))
@@ -157,6 +159,9 @@ def variation(values: np.ndarray, names: Sequence[str]) -> np.ndarray:
     places = np.flatnonzero(~fixed)
     columns = values[:, places]
     doubtful = dependent(columns)
+    if linear:
+        found[places[doubtful]] = NOT_IDENTIFIED
+        return found
     positive = (columns > 0.0).all(axis=0)
     if positive.sum() > 1:
         # Quantities whose product is constant are collinear in their logarithms.

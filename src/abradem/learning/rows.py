@@ -50,8 +50,8 @@ class Table(NamedTuple):
 
     @property
     def variation(self) -> np.ndarray:
-        """What the rows say about each feature, see `abradem.dataset.variation`."""
-        return variation(self.features, FEATURE_NAMES)
+        """What the rows say about each feature of a linear model, see `abradem.dataset.variation`."""
+        return variation(self.features, FEATURE_NAMES, linear=True)
 
     @property
     def varied(self) -> np.ndarray:

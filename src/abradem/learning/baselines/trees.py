@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from abradem.dataset.variation import HELD_FIXED
+from abradem.dataset.variation import HELD_FIXED, variation
 from abradem.learning.evaluation import (
     Results,
     evaluate_as_published,
@@ -299,7 +299,8 @@ def _nodes(arrays: dict, samples: np.ndarray, scalers) -> pd.DataFrame:
 
 
 def _importance(model: str, fitted, table: Table) -> pd.DataFrame:
-    says = table.variation
+    # Trees do not tell a feature from a function of it, such as damping and restitution.
+    says = variation(table.features, FEATURE_NAMES)
     return pd.DataFrame(
         {
             "model": model,
