@@ -50,7 +50,7 @@ class Table(NamedTuple):
 
     @property
     def variation(self) -> np.ndarray:
-        """What the rows say about each feature of a linear model, see `abradem.dataset.variation`."""
+        """What the rows say about each feature of a linear model, by `variation`."""
         return variation(self.features, FEATURE_NAMES, linear=True)
 
     @property
