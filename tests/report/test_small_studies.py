@@ -7,10 +7,13 @@ import warnings
 import numpy as np
 import pytest
 from figure_checks import texts
-from small_studies import figures_of, learned, texts_of, two_varied
+from small_studies import JET, figures_of, learned, texts_of, two_varied
 from tables import product_law
 
 from abradem.dataset.external import read_external
+from abradem.dataset.features import derive
+from abradem.learning.physical.problem import problem
+from abradem.learning.rows import learning_table
 from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES
 from abradem.surrogate.model import Surrogate
 
@@ -139,3 +142,12 @@ def test_the_surrogate_says_that_it_does_not_know_what_was_held_fixed(small):
         if line.startswith("static_friction")
     ]  # fmt: skip
     assert "held fixed at 0.475 in training" in line
+
+
+def test_rows_in_which_nothing_varies_are_one_line():
+    fixed = {name: product_law(1)[name][0] for name in SAMPLED_NAMES}
+    table = derive(product_law(12).assign(**fixed)).assign(case_id=np.arange(12), **{WEAR: 1e-4})
+    for use in (lambda: learning_table(table), lambda: problem(table, JET)):
+        with pytest.raises(ValueError, match="all quantities were held fixed") as error:
+            use()
+        assert "\n" not in str(error.value)
