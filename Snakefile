@@ -128,6 +128,8 @@ onstart:
     to_run = list(workflow.dag.needrun_jobs())
     if problems := [*not_ready(to_run), *unwritable(to_run)]:
         sys.exit("\n".join(problems))
+    if NOTHING_VARIES and any(job.rule.name in LEARNERS for job in to_run):
+        sys.exit(NOTHING_VARIES)
     if not RUN_LOCK.take():
         sys.exit(
             f"{RESULTS}: {RUN_LOCK.holder()} is at work here; wait for its end"

@@ -228,7 +228,7 @@ def test_labels_carry_the_units_of_the_table():
         (1.25, 0.1, "1.25 ± 0.10 mm/s"),
         (0.0, 0.0, "0.00 ± 0.00 mm/s"),
         (1.5e-6, np.nan, r"(1.50)$\times$$10^{-6}$ mm/s"),
-        (np.nan, np.nan, "n/a"),
+        (np.nan, np.nan, "not determined"),
     ],
 )
 def test_values_are_printed_with_the_digits_their_error_leaves(value, error, words):

@@ -40,6 +40,20 @@ def test_a_constant_target_has_no_bootstrap():
     assert np.isnan(bootstrap_r2(np.ones(5), np.ones(5), 100, 0.95, 0)).all()
 
 
+@pytest.mark.parametrize("n", [2, 3])
+def test_resamples_without_spread_leave_the_interval_undetermined(n):
+    # One in n^(n-1) resamples repeats one row, more than the tails of the interval.
+    actual = 0.1 + np.arange(n) * 1e-3
+    assert np.isnan(bootstrap_r2(actual, actual + 1e-3, 2000, 0.95, 0)).all()
+
+
+def test_float_noise_of_a_mean_is_no_spread():
+    actual = np.array([0.1, 0.1, 0.1, 0.7, 0.2, 0.3])
+    low, high = bootstrap_r2(actual, np.full(6, 0.25), 5000, 0.95, 0)
+    assert -1e4 < low <= high < 1.0
+    assert np.isnan(bootstrap_r2(0.1 + 1e-17 * np.arange(6), actual, 100, 0.95, 0)).all()
+
+
 def test_repeated_splits_come_before_the_fixed_one():
     scores = join_tables(
         [

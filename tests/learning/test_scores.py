@@ -5,7 +5,17 @@ import pandas as pd
 import pytest
 
 from abradem.learning.protocols import held_out, repeated_splits
-from abradem.learning.scores import METRICS, SCORE_COLUMNS, r2, score, score_intervals, score_rows
+from abradem.learning.scores import (
+    METRICS,
+    SCORE_COLUMNS,
+    central,
+    central_columns,
+    middle_of,
+    r2,
+    score,
+    score_intervals,
+    score_rows,
+)
 
 
 def test_scores_match_values_worked_out_by_hand():
@@ -29,6 +39,26 @@ def test_the_mean_scores_zero_and_the_truth_one():
     assert r2(y, np.full(3, 3.0)) == pytest.approx(0.0)
     assert np.isnan(r2(y[:1], y[:1]))
     assert np.isnan(r2(np.ones(3), y))
+
+
+def test_a_target_without_spread_has_no_r2_and_huge_ones_do_not_overflow():
+    assert np.isnan(r2(np.full(3, 0.1) + 1e-17 * np.arange(3), np.ones(3)))
+    assert np.isnan(r2(np.array([0.1, 0.1 * (1.0 + 1e-9)]), np.ones(2)))
+    y = np.array([1.0, 2.0, 6.0])
+    assert r2(1e300 * y, 1e300 * (y + 1.0)) == pytest.approx(r2(y, y + 1.0))
+    assert r2(y, 1e200 * y) == -1e9
+    scores = score(y, 1e200 * y, 1.0)
+    assert all(np.isfinite(value) for value in scores.values())
+
+
+def test_undefined_scores_do_not_count():
+    count, *found = central([0.5, np.nan, 0.7, 0.9], 0.9)
+    assert count == 3 and found[0] == 0.7
+    assert central([np.nan], 0.9)[0] == 0 and np.isnan(central([np.nan], 0.9)[1])
+    assert np.isnan(middle_of([]))
+    middle, lower, upper = central_columns(np.array([[0.1, np.nan], [0.3, np.nan]]), 1.0)
+    assert (middle[0], lower[0], upper[0]) == pytest.approx((0.2, 0.1, 0.3))
+    assert np.isnan([middle[1], lower[1], upper[1]]).all()
 
 
 def test_predictions_below_the_floor_are_raised_for_the_logarithm_alone():

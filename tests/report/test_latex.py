@@ -174,18 +174,22 @@ def test_without_verification_and_simulations_these_numbers_are_left_out():
         (0.010048, "3s", "0.0100"),
         (200.0, "3s", "200"),
         (6.5056e-6, "3s", r"\ensuremath{6.51\times10^{-6}}"),
-        (-1.2e31, "2f", r"\ensuremath{-1.2\times10^{31}}"),
+        (-123456.7, "2f", r"\ensuremath{-1.2\times10^{5}}"),
+        (-1.2e31, "2r", r"below \ensuremath{-100}"),
+        (-0.245, "2r", r"\ensuremath{-0.24}"),
+        (1e300, "3s", r"above \ensuremath{1\times10^{15}}"),
+        (math.inf, "3s", "not determined"),
         (1e-10, "4g", r"\ensuremath{1\times10^{-10}}"),
         (2000.0, "4g", "2000"),
-        (math.nan, "2f", "--"),
-        (None, "d", "--"),
+        (math.nan, "2f", "not determined"),
+        (None, "d", "not determined"),
         ([361, 12], "d", "361-12"),
         ("fixed_split & 5 %", "text", r"fixed\_split \& 5 \%"),
     ],
 )
 def test_numbers_are_printed_as_latex(value, form, text):
     assert latex.printed(value, form) == text
-    if isinstance(value, float) and text != "--":
+    if isinstance(value, float) and math.isfinite(value):
         assert_agree(text, value)
 
 

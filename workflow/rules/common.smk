@@ -15,7 +15,8 @@ from abradem.config import (
     to_yaml,
     typical_case,
 )
-from abradem.figures.catalogue import FIGURES, SIMULATIONS
+from abradem.dataset.variation import nothing_varies
+from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
 from abradem.running.memory import killed_for_memory, memory_kills
@@ -74,6 +75,15 @@ SETUP = setup_dict(CONFIG)
 SIMULATED = CONFIG.dataset.external is None
 # True if the study is a search for the set-up that explains a table.
 CALIBRATES = CONFIG.calibration.table is not None
+
+# Why nothing can be learned, or "". The data set alone can still be made: it holds repetitions of
+# one case.
+NOTHING_VARIES = (
+    "sampling.ranges: every quantity is held fixed, so nothing can be learned (allowed: a lower "
+    "and an upper bound that differ for at least one; `snakemake dataset` makes the data set)"
+    if SIMULATED and not CALIBRATES and nothing_varies(sampled_ranges(CONFIG))
+    else ""
+)
 
 # Hashes of the code that rules depend on, by script; they are parameters of the rules.
 CODE = {}
@@ -183,6 +193,9 @@ def module_of(name):
 def is_made(name):
     """Whether a figure is made: some need simulations or results of other studies."""
     needs = {"verification": VERIFICATION_MADE, "speed": SPEED_MADE}
+    if FIGURES[name].group == CALIBRATION:
+        # Another kind of study makes these, see calibration.smk.
+        return False
     return needs.get(name, SIMULATED or FIGURES[name].group != SIMULATIONS) and (
         SIMULATED or name != "setup"
     )

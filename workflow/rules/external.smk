@@ -2,6 +2,7 @@
 from abradem.store.files import TableError
 from abradem.dataset.external import read_external, repeated
 from abradem.dataset.user_table import local_file
+from abradem.quantities import SAMPLED_NAMES
 from abradem.running.readiness import problems_of_table
 
 try:
@@ -10,6 +11,11 @@ try:
     given_table = read_external(EXTERNAL, CONFIG.dataset.columns)
     REPEATED_ROWS = repeated(given_table)
     problems = problems_of_table(CONFIG, given_table)
+    if nothing_varies(given_table[list(SAMPLED_NAMES)].to_dict("list")):
+        NOTHING_VARIES = (
+            f"dataset.external: {EXTERNAL}: every quantity has the same value in all rows, so "
+            "nothing can be learned (allowed: at least one that varies)"
+        )
 except TableError as error:
     sys.exit(str(error))
 if problems:

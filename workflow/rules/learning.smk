@@ -1,5 +1,19 @@
 # Joint results of all models. Each model can be rerun separately; these rules then follow.
 SCORED = [*BASELINES, "physical", "surrogate"]
+# Rules that need a quantity that varies.
+LEARNERS = {
+    "linear",
+    "penalised",
+    "pca",
+    "selection",
+    "trees",
+    "ga_ann",
+    "fit_physical",
+    "intervals",
+    "surrogate",
+    "sensitivity",
+    "reach",
+}
 
 
 localrules:

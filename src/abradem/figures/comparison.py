@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from abradem.figures import style
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 from abradem.words.labels import MODELS, PROTOCOLS
+from abradem.words.numbers import score_number
 
 LOWEST = -1.0
 SPLITS, FIXED = "repeated splits", "fixed split"
@@ -129,7 +130,8 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
                     & (comparison["protocol"] == protocol)
                     & (comparison["basis"] == FIXED)
                 ]["r2"]
-                words.append(style.minus(f"{PROTOCOLS[protocol]}: $R^2$ = {found.iloc[0]:.2f}"))
+                score = style.minus(score_number(found.iloc[0], 2, "undefined"))
+                words.append(f"{PROTOCOLS[protocol]}: $R^2$ {score}")
             panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.7, zorder=0)
             panel.set_xlim(-0.04 * most / unit, ends[1])
             panel.set_ylim(*ends)

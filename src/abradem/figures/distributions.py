@@ -10,6 +10,7 @@ from matplotlib.patches import Patch
 
 from abradem.figures import style
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
+from abradem.learning.rows import standard_scaler
 from abradem.words.labels import MODELS, PROTOCOLS
 
 _BINS = 24
@@ -125,7 +126,7 @@ def standardised(dataset: pd.DataFrame, predictions: pd.DataFrame, target: str, 
         actual_standardised, predicted_standardised, error_standardised (dimensionless).
     """
     wear = dataset[target]
-    mean, spread = float(wear.mean()), float(wear.std(ddof=0)) or 1.0
+    mean, spread = map(float, standard_scaler(wear.to_numpy(dtype=float)))
     rows = predictions[
         (predictions["model"] == model)
         & (predictions["split"] == "test")

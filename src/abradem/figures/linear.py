@@ -7,8 +7,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
 from abradem.figures import style
 from abradem.words.labels import LABELS, PROTOCOLS, WEAR_WORDS
+from abradem.words.numbers import is_number, score_number, score_range
 
 LOG_SPAN = 30.0
 """Ratio of largest to smallest value above which axes are logarithmic."""
@@ -84,11 +86,17 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
             panel.set_yscale("log")
             panel.set_xlim(ends)
         else:
-            pad = 0.04 * (high - low)
+            # Predictions of a constant differ in the last digits alone.
+            pad = max(0.04 * (high - low), 1e-3 * max(abs(low), abs(high))) or 1.0
             ends = ((low - pad) / scale, (high + pad) / scale)
             panel.set_xlim(min(0.0, actual.min() / scale) - pad / scale, ends[1])
-            for axis in (panel.xaxis, panel.yaxis):
-                axis.set_major_locator(MultipleLocator(_tick_step(ends[1] - ends[0])))
+            span = ends[1] - ends[0]
+            wide = panel.get_xlim()[1] - panel.get_xlim()[0]
+            # Both axes have the same ticks, unless the wear is nearly constant.
+            for axis, length in (
+                (panel.xaxis, wide if wide > 10.0 * span else span), (panel.yaxis, span)
+            ):  # fmt: skip
+                axis.set_major_locator(MultipleLocator(_tick_step(length)))
             if low < 0.0:
                 panel.axhline(0.0, color=style.GREY, lw=0.5, zorder=0)
         panel.set_ylim(ends)
@@ -111,7 +119,8 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
 
 
 def _coefficient_panel(panel, part: pd.DataFrame, limit: float) -> None:
-    values = part["coefficient"].to_numpy(dtype=float)
+    # A coefficient that the rows do not determine is arbitrary.
+    values = part["coefficient"].where(part["variation"] == VARIED).to_numpy(dtype=float)
     lower, upper = (part[end].to_numpy(dtype=float) for end in ("lower", "upper"))
     places = np.arange(len(part))
     panel.bar(places, values, width=0.62, color=style.feature_colours(part["feature"]))
@@ -136,12 +145,14 @@ def _coefficient_panel(panel, part: pd.DataFrame, limit: float) -> None:
         ],
     )
     panel.tick_params(axis="x", length=0)
+    style.name_unvaried(panel, part["variation"], upright=True)
 
 
 def _coefficient_limit(coefficients: pd.DataFrame) -> float:
     """Half the height of the axis: fits all bars, and intervals up to 1.5 times the longest bar."""
-    bars = float(coefficients["coefficient"].abs().max())
-    ends = coefficients[["lower", "upper"]].abs().to_numpy(dtype=float)
+    known = coefficients[coefficients["variation"] == VARIED]
+    bars = float(known["coefficient"].abs().max()) if len(known) else 0.0
+    ends = known[["lower", "upper"]].abs().to_numpy(dtype=float)
     ends = ends[np.isfinite(ends)]
     most = max(1.15 * bars, 1.05 * min(ends.max(initial=0.0), 1.5 * bars))
     return most if most > 0.0 else 1.0
@@ -154,15 +165,13 @@ def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) ->
     first = f"{_target_words(model)}; protocol: {protocol}; least squares on all {rows} cases"
     ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
     if not np.isfinite(ends).any():
-        return [
-            first,
-            f"{rows} cases do not determine {len(coefficients)} coefficients; no intervals",
-        ]
+        free = int((coefficients["variation"] != HELD_FIXED).sum())
+        return [first, f"{rows} cases do not determine {free} coefficients; no intervals"]
     second = f"lines: {share:g} % intervals (HC3)"
     if (np.abs(ends[np.isfinite(ends)]) > limit).any():
         second += "; arrowheads: the interval exceeds the axis"
-    if not np.isfinite(ends).all():
-        second += "; no line: coefficient not determined by the cases"
+    if (coefficients["variation"] == NOT_IDENTIFIED).any():
+        second += "; not identified: the cases do not tell these features apart"
     return [first, second]
 
 
@@ -175,20 +184,12 @@ def _target_words(model: dict) -> str:
 def _score_words(model: dict) -> str:
     """Held-out R2 and its interval as text."""
     score = model["scores"]["test"]["R2"]
-    if score["median"] is None or not np.isfinite(score["median"]):
-        return "held-out $R^2$ cannot be computed"
-    middle, low, high = (_r2_text(score[end]) for end in ("median", "lower", "upper"))
+    if not is_number(score["median"]):
+        return "held-out $R^2$ is not determined"
+    middle = style.minus(score_number(score["median"], 2))
+    ends = style.minus(score_range((score["lower"], score["upper"]), 2))
     share = 100.0 * model["confidence"]
-    return f"held-out $R^2$ = {middle} (median of splits)\n{share:g} % of splits: {low} to {high}"
-
-
-def _r2_text(value: float) -> str:
-    """R2 with two decimals, or none for large negative values."""
-    return (
-        f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
-        if value > -10.0
-        else f"\N{MINUS SIGN}{-value:.0f}"
-    )
+    return f"held-out $R^2$: {middle} (median of splits)\n{share:g} % of splits: {ends}"
 
 
 def _tick_step(span: float) -> float:

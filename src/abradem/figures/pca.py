@@ -59,7 +59,8 @@ def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
         bar.outline.set_linewidth(0.6)
         style.caption(
             figure,
-            f"all {rows} rows, descriptive, the same under both protocols; X21: wear depth rate",
+            f"all {rows} rows, descriptive, the same under both protocols; X21: wear depth rate"
+            + ("; empty: held fixed" if not np.isfinite(grid.to_numpy()).all() else ""),
         )
     return figure
 
@@ -111,12 +112,14 @@ def loadings_figure(loadings: pd.DataFrame, scree: pd.DataFrame, summary: dict) 
         bar = figure.colorbar(mesh, ax=axes[2:], shrink=0.9, pad=0.02)
         bar.set_label("Loading")
         bar.outline.set_linewidth(0.6)
+        left = ", ".join(quantity(name).symbol for name in summary["held_fixed"])
         words = "; ".join(f"{PROTOCOLS[name]}: {summary['stiffness'][name]}" for name in protocols)
         style.caption(
             figure,
             "all rows, without the target; as published: features scaled to 0...1; leakage-free: "
             f"standardised. Stiffnesses, {words} (a feature is grouped with the component that it "
-            "correlates with most, if by at least 0.6)",
+            "correlates with most, if by at least 0.6)"
+            + (f". Held fixed and left out: {left}" if left else ""),
         )
     return figure
 
@@ -163,10 +166,10 @@ def components_curve_figure(curve: pd.DataFrame) -> Figure:
                     alpha=0.18, lw=0,
                 )  # fmt: skip
         panel.axhline(0.0, color=style.BLACK, lw=0.5)
-        values = pd.concat([curve["r2"], curve["r2_lower"]])
-        low = float(values.min())
+        values = pd.concat([curve["r2"], curve["r2_lower"]]).dropna()
+        low = float(values.min()) if len(values) else 0.0
         panel.set_ylim(max(min(low, 0.0) - 0.05, LOWEST), 1.0)
-        panel.set_xlim(0.5, curve["components"].max() + 0.5)
+        panel.set_xlim(0.5, max(1, curve["components"].max()) + 0.5)
         panel.xaxis.set_major_locator(MaxNLocator(integer=True))
         panel.set_xlabel("Number of components")
         panel.set_ylabel("$R^2$ on held-out rows")

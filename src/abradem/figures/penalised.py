@@ -69,7 +69,7 @@ def penalised_figure(
             "band: its standard error. (c, f) weights as published (scaler of all rows, fixed "
             "penalty) and leakage-free (mean over the repeated splits, penalty cross-validated "
             "inside the training rows); numbers: share of the leakage-free splits in which the "
-            "lasso keeps the feature",
+            "lasso keeps the feature" + style.sharing(weights),
         )
     return figure
 
@@ -84,7 +84,8 @@ def _path_panel(panel, index, model, paths, named, alphas) -> None:
             zorder=2 if shown else 1,
         )  # fmt: skip
     # Weights of dependent features are very large for small penalties.
-    reach = 1.3 * mine.loc[mine["feature"].isin(named[:3]), "weight"].abs().max() or 1.0
+    reach = 1.3 * mine.loc[mine["feature"].isin(named[:3]), "weight"].abs().max()
+    reach = reach if reach > 0.0 else 1.0
     panel.set_ylim(-reach, reach)
     panel.axhline(0.0, color=style.BLACK, lw=0.5)
     _alpha_axis(panel, alphas)
@@ -124,9 +125,12 @@ def _weights_panel(panel, index, model, weights) -> None:
     panel.set_xlim(-reach, reach)
     if model == "lasso":
         for place, share in zip(places, rows["survives"], strict=True):
+            if not np.isfinite(share):
+                continue
             panel.text(reach, place, f"{share:.2f}", fontsize=6.5, va="center", ha="right")
     panel.axvline(0.0, color=style.BLACK, lw=0.5)
     panel.xaxis.set_major_locator(MaxNLocator(4))
     style.feature_rows(panel, features)
+    style.name_fixed(panel, rows["variation"])
     panel.set_xlabel("Standardised weight")
     panel.set_title(f"{style.letter(index)} {MODELS[model]}: weights", loc="left", fontsize=7.0)

@@ -10,15 +10,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from abradem.dataset.variation import NOT_IDENTIFIED, VARIED
 from abradem.figures import style
+from abradem.learning.physical.power_law import factor_of
 from abradem.learning.protocols import LEAKAGE_FREE
 from abradem.words.labels import GROUP_LABELS, LABELS, MODELS, Label
+from abradem.words.numbers import UNDETERMINED, number_or_words, percentage, score_number
 
 SHOWN_OTHERS = ("linear", "ridge", "tree", "forest", "ga_ann")
 LEAST = 1e-4
 """Unexplained share 1 - R2 at which axes end."""
 
 MOST_INDICES = 8
+SHOWN_LEVELS = (0.5, 0.8, 0.95)
+"""Levels of the intervals whose width is written."""
 
 
 def models_figure(
@@ -75,6 +80,8 @@ def models_figure(
             "bootstrap intervals. (e) exponents of quantities, computed from those of the groups; "
             "bars: 95 % intervals, HC3"
         )
+        if (exponents["variation"] == NOT_IDENTIFIED).any():
+            words += "; not identified: the rows do not tell it from others, nor C"
         style.caption(figure, words)
     return figure
 
@@ -100,9 +107,10 @@ def _comparison(panel: Axes, comparison: pd.DataFrame, noise: Mapping | None) ->
         colour = style.MODEL_COLOURS.get(name, style.GREY)
         panel.plot(np.clip(ends, LEAST, 1.0), [place, place], color=colour, lw=1.4)
         panel.plot(np.clip(middle, LEAST, 1.0), place, "o", ms=4.0, color=colour)
+        nearest = np.nanmin([*ends, middle, 1.0])
         panel.annotate(
-            f"{1.0 - middle:.4f}" if middle < 0.1 else f"{1.0 - middle:.2f}",
-            (np.clip(ends.min(), LEAST, 1.0), place), xytext=(4.0, 0.0),
+            style.minus(score_number(1.0 - middle, 4 if middle < 0.1 else 2)),
+            (np.clip(nearest, LEAST, 1.0), place), xytext=(4.0, 0.0),
             textcoords="offset points",
             fontsize=6.5, ha="left", va="center", color=colour,
         )  # fmt: skip
@@ -147,10 +155,9 @@ def _calibration(panel: Axes, calibration: pd.DataFrame) -> None:
     panel.plot([0.0, 100.0], [0.0, 100.0], color=style.BLACK, ls="--", lw=0.7, zorder=1)
     widths = rows.set_index("level")["width"]
     words = [
-        f"{100.0 * level:g} %: +{100.0 * widths[level]:.1f} %"
-        if level in widths
-        else f"{100.0 * level:g} %: too few rows"
-        for level in (0.5, 0.8, 0.95)
+        f"{100.0 * level:g} %: "
+        + (percentage(widths[level], "+.1f") if level in widths else "too few rows")
+        for level in SHOWN_LEVELS
     ]
     panel.text(
         102.0, 3.0, "\n".join(["median upper end", "above prediction", *words]), fontsize=6.5,
@@ -185,7 +192,11 @@ def _curve(panel: Axes, curve: pd.DataFrame, noise: Mapping | None) -> None:
     panel.set_xscale("log")
     panel.set_yscale("log")
     low = max(0.6 * min((v for v in lows if np.isfinite(v)), default=LEAST), LEAST / 2)
-    high = float(np.nanmax(np.clip(1.0 - curve["r2_lower"], LEAST, 1.0)))
+    highs = np.clip(1.0 - curve["r2_lower"].dropna(), LEAST, 1.0)
+    high = float(highs.max()) if len(highs) else 1.0
+    if curve["r2"].isna().all():
+        panel.text(0.5, 0.5, f"$R^2$ {UNDETERMINED}", transform=panel.transAxes, ha="center",
+                   va="center", fontsize=7.0, color=style.GREY)  # fmt: skip
     panel.set_ylim(min(1.3 * high, 1.05), low)
     _unexplained_axis(panel.yaxis, low, min(1.3 * high, 1.0))
     ticks = sorted(set(curve["trained"]))
@@ -199,21 +210,24 @@ def _curve(panel: Axes, curve: pd.DataFrame, noise: Mapping | None) -> None:
 
 
 def _indices(panel: Axes, indices: pd.DataFrame) -> None:
-    rows = indices[indices["explained"] == "wear"].sort_values("total", ascending=False)
-    rows = rows.iloc[:MOST_INDICES]
+    rows = indices[indices["explained"] == "wear"]
+    rows = rows.assign(told=rows["variation"] == VARIED)
+    rows = rows.sort_values(["told", "total"], ascending=False, kind="stable").iloc[:MOST_INDICES]
     places = np.arange(len(rows))
     for shift, column, colour, words in (
         (-0.2, "total", style.BLUE, "total"), (0.2, "first", style.SKY, "first order"),
     ):  # fmt: skip
-        values = rows[column].clip(lower=0.0).to_numpy()
+        values = rows[column].where(rows["told"]).clip(lower=0.0).to_numpy()
         panel.barh(places + shift, values, 0.36, color=colour, label=words)
         ends = rows[[f"{column}_lower", f"{column}_upper"]].clip(lower=0.0).to_numpy()
+        ends = np.where(rows[["told"]], ends, np.nan)
         panel.hlines(places + shift, ends[:, 0], ends[:, 1], color=style.BLACK, lw=0.8)
     names = [style.short_label(name) for name in rows["feature"]]
     panel.set_yticks(places, names)
     panel.tick_params(axis="y", length=0)
     panel.set_ylim(len(rows) - 0.5, -0.5)
-    panel.set_xlim(0.0, None)
+    panel.set_xlim(0.0, None if panel.get_xlim()[1] > 0.0 else 1.0)
+    style.name_unvaried(panel, rows["variation"])
     panel.set_xlabel("Sobol index of the wear rate")
     panel.legend(loc="lower right")
     panel.set_title(f"{style.letter(3)} sensitivity", loc="left")
@@ -234,11 +248,13 @@ def _exponents(panel: Axes, exponents: pd.DataFrame) -> None:
     panel.axhline(0.0, color=style.BLACK, lw=0.5)
     for place, row in zip(places, shown.itertuples(index=False), strict=True):
         colour = style.GREEN if row.kind == "quantity" else style.GREY
+        if row.variation != VARIED:
+            continue
         reach = 1.96 * row.standard_error
         if np.isfinite(reach):
             panel.plot([place] * 2, [row.exponent - reach, row.exponent + reach], color=colour)
         panel.plot(place, row.exponent, "o", ms=3.5, color=colour)
-        text = style.minus(f"{row.exponent:.2f}")
+        text = style.minus(number_or_words(row.exponent, ".2f"))
         panel.annotate(
             text, (place, row.exponent), xytext=(5.0, 4.0), textcoords="offset points",
             fontsize=6.5, va="center", color=colour,
@@ -252,6 +268,7 @@ def _exponents(panel: Axes, exponents: pd.DataFrame) -> None:
     panel.set_xlim(-0.6, len(shown) - 0.2)
     panel.set_ylabel("Exponent")
     panel.margins(y=0.12)
+    style.name_unvaried(panel, shown["variation"], upright=True)
     panel.legend(
         handles=[
             Line2D([], [], marker="o", ms=3.5, color=style.GREEN, label="quantity, all else fixed"),
@@ -268,8 +285,11 @@ def _label_of(row) -> Label:
 
 
 def _law(known: pd.DataFrame) -> str:
-    """The equation of the power law in mathematical text, in two lines."""
-    value = known["exponent"]
+    """The equation of the power law in mathematical text, in two lines.
+
+    Groups that were held fixed, or that the rows do not tell apart, are left out.
+    """
+    value = known.loc[known["variation"] == VARIED, "exponent"]
     powers = [
         (r"Fr", "log_froude"), (r"(R/H)", "log_size"), (r"L", "log_loading"),
         (r"Ca", "log_cauchy"), (r"(G^*/E^*)", "log_stiffness_ratio"),
@@ -277,16 +297,20 @@ def _law(known: pd.DataFrame) -> str:
         (r"(1+e)", "log_rebound"),
     ]  # fmt: skip
     first, second = (
-        r"\;".join(f"{base}^{{\\,{value[term]:.2f}}}" for base, term in part)
+        r"\;".join(f"{base}^{{\\,{value[term]:.2f}}}" for base, term in part if term in value)
         for part in (powers[:5], powers[5:])
     )
     terms = ((r"\cos\theta", "jet_width"), (r"\varphi", "plate_angle"),
              (r"\varphi^2", "plate_angle_squared"))  # fmt: skip
-    total = "".join(f"{value[term]:+.2f}{symbol}" for symbol, term in terms)
+    total = "".join(f"{value[term]:+.2f}{symbol}" for symbol, term in terms if term in value)
     scale = r"\frac{W \dot m v^2}{2A}"
-    constant = np.exp(value["constant"])
-    return (
-        rf"$\dot h = {scale} \cdot {constant:.2g}\;{first}$"
-        "\n"
-        rf"$\quad\;\; {second}\;\exp({total})$"
+    constant = (
+        style.number(factor_of(value["constant"]), 2).replace("$", "")
+        if "constant" in value
+        else "C"
     )
+    lines = [rf"$\dot h = {scale} \cdot {constant}\;{first}$"]
+    if second or total:
+        factor = rf"\;\exp({total})" if total else ""
+        lines.append(rf"$\quad\;\; {second}{factor}$")
+    return "\n".join(lines)

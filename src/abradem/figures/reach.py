@@ -11,6 +11,9 @@ from matplotlib.lines import Line2D
 from abradem.figures import style
 from abradem.quantities import STATISTICS, WEAR_MEASURES
 from abradem.words.labels import MODELS
+from abradem.words.numbers import percentage, score_number
+
+_KEYS = ("r2", "within_r2")
 
 
 def reach_figure(extrapolation: pd.DataFrame, targets: pd.DataFrame, table: str) -> Figure:
@@ -43,7 +46,7 @@ def reach_figure(extrapolation: pd.DataFrame, targets: pd.DataFrame, table: str)
 def _beyond(panel: Axes, extrapolation: pd.DataFrame) -> None:
     panel.set_title(f"{style.letter(0)} extrapolation", loc="left")
     if extrapolation.empty:
-        style.say_nothing_to_show(panel, "too few rows to hold out a range")
+        style.say_nothing_to_show(panel, "no range can be held out: held fixed, or too few rows")
         return
     tests = list(dict.fromkeys(extrapolation["test"]))
     models = list(dict.fromkeys(extrapolation["model"]))
@@ -52,14 +55,14 @@ def _beyond(panel: Axes, extrapolation: pd.DataFrame) -> None:
         rows = extrapolation[extrapolation["test"] == test].set_index("model")
         for step, model in enumerate(models):
             y = place + 0.22 * (step - 0.5 * (len(models) - 1))
-            beyond, within = (max(rows.loc[model, key], -0.5) for key in ("r2", "within_r2"))
+            beyond, within = (np.maximum(rows.loc[model, key], -0.5) for key in _KEYS)
             colour = style.MODEL_COLOURS[model]
             panel.plot([beyond, within], [y, y], color=colour, lw=0.8)
             panel.plot(within, y, "o", ms=4.0, mfc="white", mec=colour)
             panel.plot(beyond, y, "o", ms=4.0, color=colour)
-            if np.isfinite(rows.loc[model, "coverage"]):
+            if np.isfinite(rows.loc[model, "coverage"]) and np.isfinite(min(beyond, within)):
                 panel.annotate(
-                    f"{100.0 * rows.loc[model, 'coverage']:.0f} %",
+                    percentage(rows.loc[model, "coverage"]),
                     (min(beyond, within), y), xytext=(-6.0, 0.0), textcoords="offset points",
                     ha="right", va="center", fontsize=6.5, color=colour,
                 )  # fmt: skip
@@ -69,7 +72,7 @@ def _beyond(panel: Axes, extrapolation: pd.DataFrame) -> None:
     panel.set_yticks(range(len(tests)), labels)
     panel.tick_params(axis="y", length=0)
     panel.set_ylim(len(tests) - 0.4, -0.6)
-    low = min(extrapolation["r2"].min(), extrapolation["within_r2"].min())
+    low = float(np.nanmin([*extrapolation["r2"], *extrapolation["within_r2"], 1.0]))
     span = max(1.0 - max(low, -0.5), 0.02)
     panel.set_xlim(1.0 - 1.25 * span, 1.0 + 0.02 * span)
     panel.grid(axis="x", color=style.LIGHT_GREY, lw=0.5)
@@ -100,8 +103,9 @@ def _targets(panel: Axes, targets: pd.DataFrame) -> None:
                 continue
             values[i, j] = rows.loc[name, "r2"]
             dark = values[i, j] > 0.6
+            of_log = style.minus(score_number(rows.loc[name, "r2_log"], 2))
             panel.text(
-                j, i, f"{rows.loc[name, 'r2']:.3f}\n({rows.loc[name, 'r2_log']:.2f})",
+                j, i, f"{style.minus(score_number(rows.loc[name, 'r2'], 3))}\n({of_log})",
                 ha="center", va="center", fontsize=7.0, color="white" if dark else "black",
             )  # fmt: skip
     panel.imshow(values, cmap="viridis_r", vmin=0.0, vmax=1.0, aspect="auto")

@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from abradem.figures import style
+from abradem.words.numbers import UNDETERMINED, is_number
 
 HIGH_INFLATION = 10.0
 """Variance inflation factors above this value are commonly called high."""
@@ -50,8 +51,8 @@ def _against_fitted(panel, residuals: pd.DataFrame, model: dict) -> None:
     panel.set_xlabel("Fitted wear (standard deviations)")
     panel.set_ylabel("Residual (standard deviations)")
     p_value = model["breusch_pagan"]["p_value"]
-    words = "not computable"
-    if p_value is not None and np.isfinite(p_value):
+    words = f"p {UNDETERMINED}"
+    if is_number(p_value):
         size = f"= {p_value:.2g}" if p_value >= 1e-4 else r"< $10^{-4}$"
         size = size if "e" not in size else f"= {style.number(p_value, 2)}"
         words = f"p {size}"
@@ -83,5 +84,6 @@ def _inflation(panel, coefficients: pd.DataFrame) -> None:
     panel.set_xlim(0.8, most)
     panel.axvline(HIGH_INFLATION, color=style.BLACK, ls="--", lw=0.8)
     style.feature_rows(panel, coefficients["feature"])
+    style.name_fixed(panel, coefficients["variation"])
     panel.set_xlabel("Variance inflation factor")
     panel.set_title(f"{style.letter(2)} dependence of features", loc="left", fontsize=7.0)

@@ -37,6 +37,7 @@ def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
             colours = np.where(chosen, style.PROTOCOL_COLOURS[AS_PUBLISHED], style.LIGHT_GREY)
             panel.barh(places, values, height=0.66, color=colours)
             style.feature_rows(panel, published["feature"])
+            style.name_fixed(panel, published["variation"])
             panel.set_xlabel(words)
             panel.set_title(
                 f"{style.letter(index)} chosen by {by}, as published", loc="left", fontsize=7.0
@@ -49,7 +50,7 @@ def selection_figure(selection: pd.DataFrame, summary: dict) -> Figure:
             "squared loadings on the components that explain half of the variance; grey in (a, b): "
             f"not chosen. In common with the paper's 12: {shared[AS_PUBLISHED]} as published (all "
             f"rows, min-max scaling), {shared[LEAKAGE_FREE]} leakage-free (training rows of the "
-            "first split)",
+            "first split)" + style.sharing(selection),
         )
     return figure
 
@@ -63,5 +64,6 @@ def _survival(panel, leakage_free) -> None:
     panel.plot(np.full(listed.sum(), 1.06), places[listed], "o", color=style.BLACK, ms=3.0)
     panel.set_xlim(0.0, 1.12)
     style.feature_rows(panel, leakage_free["feature"])
+    style.name_fixed(panel, leakage_free["variation"])
     panel.set_xlabel("Share of splits that select it")
     panel.set_title(f"{style.letter(2)} leakage-free; dot: paper's list", loc="left", fontsize=7.0)

@@ -8,9 +8,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from abradem.dataset.variation import VARIED
 from abradem.figures import style
 from abradem.quantities import quantity
 from abradem.words.labels import LABELS
+
+_INDICES = ("first", "total", "total_lower", "total_upper")
+_FALLS = ("fall", "fall_lower", "fall_upper")
 
 
 def sensitivity_figure(
@@ -25,8 +29,14 @@ def sensitivity_figure(
     table : str
         Name of the data set.
     """
-    wear = indices[indices["explained"] == "wear"].sort_values("total", ascending=False)
-    order = list(wear["feature"])
+    wear = indices[indices["explained"] == "wear"]
+    ranked = wear.assign(told=wear["variation"] == VARIED)
+    ranked = ranked.sort_values(["told", "total"], ascending=False, kind="stable")
+    order, says = list(ranked["feature"]), list(ranked["variation"])
+    indices, falls = (
+        table.assign(**{name: table[name].where(table["variation"] == VARIED) for name in columns})
+        for table, columns in ((indices, _INDICES), (falls, _FALLS))
+    )
     with style.style():
         figure = style.new_figure(style.PAGE, 5.9)
         grid = figure.add_gridspec(3, 4, height_ratios=(1.9, 1.0, 1.0))
@@ -66,10 +76,12 @@ def sensitivity_figure(
         for panel in (left, right):
             panel.tick_params(axis="y", length=0)
             panel.set_ylim(len(order) - 0.5, -0.5)
-            panel.set_xlim(0.0, None)
+            panel.set_xlim(0.0, None if panel.get_xlim()[1] > 0.0 else 1.0)
+            style.name_unvaried(panel, says)
         most = dependence["predicted"].max()
         power = style.decade(most)
-        for place, name in enumerate(order[:8]):
+        shown = [name for name in order if name in set(dependence["feature"])]
+        for place, name in enumerate(shown[:8]):
             panel = figure.add_subplot(grid[1 + place // 4, place % 4])
             rows = dependence[dependence["feature"] == name]
             row = quantity(name)
@@ -87,8 +99,8 @@ def sensitivity_figure(
                 panel.set_ylabel(f"Wear ({style.scaled_unit(power, 'mm/s')})")
         style.caption(
             figure,
-            f"data set: {table}; Gaussian process. (a) over the ranges of the data set, all 14 "
-            "sampled quantities independent; 95 % bootstrap intervals. (b) mean, smallest and "
+            f"data set: {table}; Gaussian process. (a) over the ranges of the data set, all "
+            "quantities that varied independent; 95 % bootstrap intervals. (b) mean, smallest and "
             "largest of the splits. From (c) on: geometric mean of the predicted wear depth rate "
             "over the cases, with one quantity set to the value shown",
         )

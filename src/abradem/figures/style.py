@@ -13,17 +13,22 @@ import string
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 from abradem.quantities import quantity
 from abradem.store.files import replacing
 from abradem.words.labels import LABELS, feature_label
+from abradem.words.numbers import LARGEST, is_number, number_or_words
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MM_PER_INCH = 25.4
 COLUMN = 85.0 / MM_PER_INCH
@@ -137,6 +142,47 @@ def feature_rows(panel: Axes, names: Sequence[str]) -> None:
     panel.set_ylim(len(names) - 0.4, -0.6)
 
 
+def name_unvaried(panel: Axes, variation: Iterable[str], upright: bool = False) -> None:
+    """Write in place of a bar or a dot why there is none: held fixed, not identified.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+    variation : iterable of str
+        Of the rows of the panel, from the first at the top, or if ``upright`` of its columns.
+    upright : bool
+    """
+    for place, says in enumerate(variation):
+        if says == VARIED:
+            continue
+        x, y = (float(place), 0.03) if upright else (0.02, float(place))
+        panel.text(
+            x, y, says, fontsize=6.5, color=GREY, rotation=90.0 if upright else 0.0,
+            transform=panel.get_xaxis_transform() if upright else panel.get_yaxis_transform(),
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+            ha="center" if upright else "left", va="bottom" if upright else "center",
+        )  # fmt: skip
+
+
+def name_fixed(panel: Axes, variation: Iterable[str]) -> None:
+    """Name the rows of a panel that were held fixed; the others have a bar."""
+    name_unvaried(panel, [says if says == HELD_FIXED else VARIED for says in variation])
+
+
+def sharing(table: pd.DataFrame) -> str:
+    """Words for a caption on features that the rows do not tell apart, or "".
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Holds symbol and variation.
+    """
+    found = table.loc[table["variation"] == NOT_IDENTIFIED, "symbol"]
+    if found.empty:
+        return ""
+    return f". Not identified, with an arbitrary share: {', '.join(dict.fromkeys(found))}"
+
+
 def minus(text: str) -> str:
     """The text of a number with hyphens replaced by minus signs."""
     return text.replace("-", "\N{MINUS SIGN}")
@@ -179,8 +225,8 @@ def scaled_unit(power: int, unit: str) -> str:
 
 def number(value: float, digits: int = 3) -> str:
     """A number as printed, with a minus sign and, if necessary, a power of ten."""
-    if not math.isfinite(value):
-        return "n/a"
+    if not is_number(value) or abs(value) > LARGEST:
+        return minus(number_or_words(value))
     text = f"{value:.{digits}g}"
     if "e" in text:
         mantissa, power = text.split("e")
@@ -190,8 +236,8 @@ def number(value: float, digits: int = 3) -> str:
 
 def with_error(value: float, error: float, unit: str) -> str:
     """A value and its standard error, rounded to two digits of the error, with the unit."""
-    if not math.isfinite(value):
-        return "n/a"
+    if not is_number(value) or abs(value) > LARGEST:
+        return minus(number_or_words(value))
     power = math.floor(math.log10(abs(value))) if value else 0
     power = 0 if -2 < power < 3 else power
     value, error = value / 10.0**power, error / 10.0**power

@@ -28,7 +28,7 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
     with style.style():
         figure, axes = style.panels(3, 3, 3.2)
         # Both protocols have the same vertical axis.
-        low = min(float(curve[["r2", "r2_lower"]].min().min()), 0.0)
+        low = float(np.nanmin([*curve["r2"], *curve["r2_lower"], 0.0]))
         for index, protocol in enumerate((AS_PUBLISHED, LEAKAGE_FREE)):
             panel = axes[index]
             rows = curve[curve["protocol"] == protocol]
@@ -63,7 +63,7 @@ def tree_curve_figure(curve: pd.DataFrame, importance: pd.DataFrame, summary: di
             "as published: unscaled features, one split; at its best depth the tree splits "
             f"{count} times on the wear constant. Leakage-free: standardised features, median and "
             "central share of the repeated splits. (c) share of the variance removed, all rows, "
-            "leakage-free models",
+            "leakage-free models" + style.sharing(importance),
         )
     return figure
 
@@ -75,6 +75,7 @@ def _importance_panel(panel, importance: pd.DataFrame) -> None:
         rows = importance[importance["model"] == model].set_index("feature").loc[features]
         panel.barh(places + shift, rows["importance"], height=0.4, color=colour, label=model)
     style.feature_rows(panel, features)
+    style.name_fixed(panel, rows["variation"])
     panel.set_xlabel("Importance")
     panel.legend(loc="lower right")
     panel.set_title(f"{style.letter(2)} leakage-free tree and forest", loc="left", fontsize=7.0)

@@ -13,7 +13,7 @@ import pandas as pd
 
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 from abradem.learning.published import SCORES
-from abradem.learning.scores import r2
+from abradem.learning.scores import central, r2, r2_of_resamples
 
 ORDER = (
     "linear", "lasso", "ridge", "pca_wrong_target", "pca", "tree", "forest", "paper_net", "ga_ann",
@@ -59,19 +59,17 @@ def bootstrap_r2(
     Returns
     -------
     lower, upper : float
-        nan if the target is constant in every resample.
+        nan if the rows do not determine them: in too many resamples, such as those that repeat
+        one row, the target has no spread and R2 is undefined.
     """
     rng = np.random.default_rng(seed)
     rows = rng.integers(0, len(actual), (draws, len(actual)))
-    y, error = actual[rows], (actual - predicted)[rows]
-    spread = np.sum((y - y.mean(axis=1, keepdims=True)) ** 2, axis=1)
-    kept = spread > 0.0
-    if not kept.any():
+    found, undefined = r2_of_resamples(np.asarray(actual), np.asarray(predicted), rows)
+    # A resample without spread could have any R2, down to minus infinity.
+    if undefined > 0.5 * (1.0 - confidence) * draws:
         return np.nan, np.nan
-    found = 1.0 - np.sum(error[kept] ** 2, axis=1) / spread[kept]
-    tail = 50.0 * (1.0 - confidence)
-    lower, upper = np.percentile(found, [tail, 100.0 - tail])
-    return float(lower), float(upper)
+    _, _, lower, upper = central(found, confidence)
+    return lower, upper
 
 
 def compare(
@@ -104,15 +102,15 @@ def compare(
         same network), repeats, r2, r2_lower, r2_upper.
     """
     rows = []
-    tail = 50.0 * (1.0 - confidence)
     held = scores[scores["metric"] == "R2"]
     for (model, protocol), mine in held.groupby(["model", "protocol"], sort=False):
         several = {}
         for basis, split in ((SPLITS, "test"), (RETRAINED, "retrained")):
-            values = mine.loc[mine["split"] == split, "value"].dropna().to_numpy()
+            values = mine.loc[mine["split"] == split, "value"].to_numpy(dtype=float)
             if len(values) > 1:
-                low, middle, high = np.percentile(values, [tail, 50.0, 100.0 - tail])
-                several[basis] = (model, protocol, basis, len(values), middle, low, high)
+                count, middle, *ends = central(values, confidence)
+                ends = ends if count > 1 else [np.nan, np.nan]
+                several[basis] = (model, protocol, basis, count, middle, *ends)
         if SPLITS in several:
             rows.append(several[SPLITS])
         fixed = predictions[

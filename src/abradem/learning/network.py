@@ -127,6 +127,10 @@ def start(inputs: int, hidden: Layers, seed: int, heritage: Network | None = Non
     return Network(weights, biases)
 
 
+LARGEST_TARGET = 1e15
+"""Magnitude to which targets are cut, as squares of larger ones overflow in single precision."""
+
+
 def train(
     starts: Sequence[Network],
     seeds: Sequence[int],
@@ -172,7 +176,8 @@ def train(
     parameters.grad = torch.zeros_like(parameters)
     adam = torch.optim.Adam([parameters], lr=training.learning_rate, fused=True)
     rows = torch.from_numpy(x.astype(np.float32)).to(device)
-    target = torch.from_numpy(y.astype(np.float32)).to(device)[:, None]
+    wanted = np.clip(y, -LARGEST_TARGET, LARGEST_TARGET).astype(np.float32)
+    target = torch.from_numpy(wanted).to(device)[:, None]
     rngs = [np.random.default_rng([seed, 1]) for seed in seeds]
     with torch.no_grad():
         layers = list(_views(parameters, shapes))

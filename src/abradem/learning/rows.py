@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import held_fixed, scales_of, settled, variation
 from abradem.quantities import FEATURE_NAMES, TARGET
 from abradem.store.columns import COLUMNS
 from abradem.store.tables import content_hash
@@ -18,6 +19,12 @@ FEWEST_TRAINED = 4
 """Smallest number of training rows of a split: two folds of two rows."""
 
 
+HUGE = 1e100
+"""Magnitude above which squares are computed in a unit of this magnitude, as they overflow."""
+
+NOTHING_VARIED = "dataset: all quantities were held fixed, there is nothing to learn"
+
+
 class Table(NamedTuple):
     """Features and target, in the order of the case numbers.
 
@@ -26,7 +33,8 @@ class Table(NamedTuple):
     keys : ndarray, shape (n,)
         Case numbers.
     features : ndarray, shape (n, 20)
-        In the order of `FEATURE_NAMES` and in the units of `abradem.quantities`.
+        In the order of `FEATURE_NAMES` and in the units of `abradem.quantities`. Features that
+        were held fixed have exactly the same value in all rows.
     target : ndarray, shape (n,)
     target_name, unit : str
     name : str
@@ -42,6 +50,16 @@ class Table(NamedTuple):
     unit: str
     name: str
     hash: str
+
+    @property
+    def variation(self) -> np.ndarray:
+        """What the rows say about each feature of a linear model, by `variation`."""
+        return variation(self.features, FEATURE_NAMES, linear=True)
+
+    @property
+    def varied(self) -> np.ndarray:
+        """Column numbers of the features that were not held fixed."""
+        return np.flatnonzero(~held_fixed(self.features))
 
 
 class Scaler(NamedTuple):
@@ -86,7 +104,8 @@ def learning_table(
     Raises
     ------
     ValueError
-        If the target is missing, a value is not finite, or there are too few rows.
+        If the target is missing, a value is not finite, there are too few rows, or no feature
+        varies.
     """
     if target not in dataset:
         raise ValueError(f"dataset: lacks the target {target}")
@@ -97,6 +116,9 @@ def learning_table(
         raise ValueError("dataset: features and target must be finite")
     if len(y) < fewest:
         raise ValueError(f"dataset: {len(y)} rows are too few to learn from, {fewest} are needed")
+    x = settled(x, scales_of(FEATURE_NAMES))
+    if held_fixed(x).all():
+        raise ValueError(NOTHING_VARIED)
     return Table(
         keys=dataset["case_id"].to_numpy(),
         features=x,
@@ -108,17 +130,12 @@ def learning_table(
     )
 
 
-def constant(features: np.ndarray) -> np.ndarray:
-    """Whether each column of ``features`` (n, p) is constant, shape (p,)."""
-    return np.ptp(features, axis=0) <= 1e-12 * np.abs(features).max(axis=0)
-
-
 def standard_scaler(values: np.ndarray) -> Scaler:
     """Scaler to mean 0 and standard deviation 1, for ``values`` of shape (n,) or (n, p)."""
     columns = values.reshape(len(values), -1)
-    fixed = constant(columns)
+    fixed = held_fixed(columns)
     mean = np.where(fixed, columns[0], columns.mean(axis=0))
-    scale = np.where(fixed, np.where(mean == 0.0, 1.0, np.abs(mean)), columns.std(axis=0))
+    scale = np.where(fixed, np.where(mean == 0.0, 1.0, np.abs(mean)), _deviation(columns))
     if values.ndim == 1:
         return Scaler(mean[0], scale[0])
     return Scaler(mean, scale)
@@ -126,5 +143,12 @@ def standard_scaler(values: np.ndarray) -> Scaler:
 
 def minmax_scaler(values: np.ndarray) -> Scaler:
     """Scaler to the interval from 0 to 1, for ``values`` of shape (n, p)."""
-    scale = np.where(constant(values), 1.0, np.ptp(values, axis=0))
+    scale = np.where(held_fixed(values), 1.0, np.ptp(values, axis=0))
     return Scaler(values.min(axis=0), scale)
+
+
+def _deviation(columns: np.ndarray) -> np.ndarray:
+    """Standard deviation of each column, also where its square overflows."""
+    size = np.abs(columns).max(axis=0)
+    unit = np.where((size > HUGE) | ((size > 0.0) & (size < 1.0 / HUGE)), size, 1.0)
+    return unit * (columns / unit).std(axis=0)

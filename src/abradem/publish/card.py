@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from abradem.dataset.variation import HELD_FIXED, held_fixed
 from abradem.publish.description import (
     LICENCE,
     LICENCE_NAME,
@@ -17,6 +18,7 @@ from abradem.publish.description import (
 from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED
 from abradem.words.escaping import for_markdown
 from abradem.words.labels import LABELS
+from abradem.words.numbers import number_or_words, percentage, score_number, score_range
 
 STEP_BIAS = {
     0.15: "total by at most 0.9 %, sliding by 1.1 %, friction by 0.5 %",
@@ -60,8 +62,9 @@ def _head(said: Description) -> Iterable[str]:
         "",
         said.abstract,
         "",
-        f"{rows} of {drawn} sampled cases; plate-mean wear depth rates from {target.min():.3g} to "
-        f"{target.max():.3g} mm/s. Version {said.version} of {said.date}. {LICENCE}.",
+        f"{rows} of {drawn} sampled cases; plate-mean wear depth rates from "
+        f"{number_or_words(target.min())} to {number_or_words(target.max())} mm/s. "
+        f"Version {said.version} of {said.date}. {LICENCE}.",
     ]
 
 
@@ -139,7 +142,8 @@ def _making(said: Description) -> Iterable[str]:
         "",
         f"Parameters were drawn by `{sampling['method']}` in {sampling['blocks']} blocks of "
         f"{sampling['cases_per_block']} with seed {said.config['seed']}, each quantity uniformly "
-        "over its range and independently of the others. `config.yaml` contains all options.",
+        "over its range and independently of the others, unless it was held fixed. "
+        "`config.yaml` contains all options.",
         "",
         f"Software: {versions}. `versions.json` also contains a hash of the code of each step. The "
         "same configuration, seed and code give the same numbers on any number of cores.",
@@ -156,8 +160,9 @@ def _quantities(said: Description) -> Iterable[str]:
     for row in SAMPLED:
         drawn = said.config["sampling"]["ranges"][row.config_key]
         low, high = (float(f"{bound * row.config_factor:.6g}") for bound in drawn)
+        end = HELD_FIXED if held_fixed(np.array([[low], [high]]))[0] else f"{high:g}"
         lines.append(
-            f"| {row.symbol} | `{row.name}` | {row.unit} | {low:g} | {high:g} | "
+            f"| {row.symbol} | `{row.name}` | {row.unit} | {low:g} | {end} | "
             f"{LABELS[row.name].long_name} |"
         )
     return lines
@@ -207,7 +212,8 @@ def _limits(said: Description) -> Iterable[str]:
         "## Known limits",
         "",
         "- **Noise.** The relative standard error of `wear_total_mean` is "
-        f"{relative.median():.2%} in the median and {relative.quantile(0.95):.2%} at the 95th "
+        f"{percentage(relative.median(), '.2f')} in the median and "
+        f"{percentage(relative.quantile(0.95), '.2f')} at the 95th "
         f"percentile. {noise['cases']} cases with large particles were simulated again with other "
         f"seeds ({noise['replicates']} runs). "
         + _floor(noise)
@@ -249,7 +255,7 @@ def _floor(noise) -> str:
     low, high = noise["r2_floor_band"]
     return (
         "They show that no model of this column can exceed "
-        f"R2 = {noise['r2_floor']:.5f} ({low:.5f} to {high:.5f})."
+        f"R2 = {score_number(noise['r2_floor'], 5)} ({score_range([low, high], 5)})."
     )
 
 
@@ -271,7 +277,7 @@ def _rights(said: Description) -> Iterable[str]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.4g}" if 1e-3 <= abs(value) < 1e5 else f"{value:.3g}"
+    return number_or_words(value, ".4g" if 1e-3 <= abs(value) < 1e5 else ".3g")
 
 
 def _row(name: str, words: str, size: int) -> str:

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
 from abradem.learning.physical.models import BEST
+from abradem.learning.physical.reach import TESTS
 from abradem.words.escaping import for_html
 from abradem.words.labels import LABELS
+from abradem.words.numbers import (
+    is_number,
+    number_or_words,
+    number_with_error,
+    percentage,
+    score_number,
+    score_range,
+)
 
 NAMES = {
     "power_law": "power law",
@@ -50,15 +60,16 @@ def findings(
     list of tuple of str
         Heading and text of each paragraph.
     """
+    fixed = sensitivity["held_fixed"]
     found = [
         ("Comparison", _comparison(physical, surrogate, noise)),
-        ("Power law", f"{physical['equation']}. The residual scatter is "
-                      f"{_percent(physical['scatter'])}."),
+        ("Power law", _power_law(physical)),
         ("Intervals", _intervals(intervals)),
         ("Learning curve", _curve(curve)),
-    ]  # fmt: skip
-    if len(extrapolation):
-        found.append(("Extrapolation", _extrapolation(extrapolation)))
+        ("Extrapolation", _extrapolation(extrapolation, fixed)),
+    ]
+    if fixed:
+        found.insert(0, ("Held fixed", _held_fixed(fixed)))
     found.append(("Sensitivity", _sensitivity(sensitivity, indices, falls)))
     if speed is not None:
         found.append(("Speed", _speed(speed)))
@@ -82,36 +93,35 @@ def to_html(title: str, paragraphs: list[tuple[str, str]]) -> str:
 def _comparison(physical: Mapping, surrogate: Mapping, noise: Mapping | None) -> str:
     scores = {**physical["scores"], "surrogate": surrogate["scores"]}
     names = {**NAMES, "surrogate": "surrogate distilled from the Gaussian process"}
-    listed = "; ".join(
-        f"{names[name]} {_number(scores[name]['test']['R2']['median'])} "
-        f"({_number(scores[name]['test']['R2']['lower'])} to "
-        f"{_number(scores[name]['test']['R2']['upper'])})"
-        for name in names
-    )
+    listed = "; ".join(f"{names[name]} {_score(scores[name]['test']['R2'])}" for name in names)
     text = (
         "R2 on held-out cases, median over the splits (surrogate: over the first splits) and "
         f"central share of the splits: {listed}."
     )
-    if noise is not None and noise["r2_floor"] is not None:
+    if not any(is_number(scores[name]["test"]["R2"]["median"]) for name in names):
+        text += " R2 is undefined where the wear of the held-out cases has no spread."
+    if noise is not None and is_number(noise["r2_floor"]):
         best = scores[BEST]["test"]["R2"]["median"]
-        low, high = noise["r2_floor_band"]
         text += (
-            f" The noise of the simulations limits any model to {noise['r2_floor']:.5f} "
-            f"({low:.5f} to {high:.5f}, from {noise['replicates']} simulations of {noise['cases']} "
-            f"cases with other seeds; {noise['r2_floor_of_stated_errors']:.5f} from the standard "
-            f"errors of the simulations, whose variance is {1.0 / noise['ratio']:.2g} "
+            f" The noise of the simulations limits any model to "
+            f"{score_number(noise['r2_floor'], 5)} "
+            f"({score_range(noise['r2_floor_band'], 5)}, from {noise['replicates']} simulations "
+            f"of {noise['cases']} cases with other seeds; "
+            f"{score_number(noise['r2_floor_of_stated_errors'], 5)} from the standard errors of "
+            f"the simulations, whose variance is "
+            f"{number_or_words(1.0 / noise['ratio'] if noise['ratio'] else None, '.2g')} "
             "times that over the seeds). "
         )
-        if best is not None:
+        if is_number(best):
             text += f"The {NAMES[BEST]} is {noise['r2_floor'] - best:.4f} below this limit."
     return text.strip()
 
 
 def _intervals(intervals: Mapping) -> str:
     parts = ", ".join(
-        f"{100.0 * one['level']:g} %: {100.0 * one['coverage']:.1f} % "
+        f"{100.0 * one['level']:g} %: {percentage(one['coverage'], '.1f')} "
         f"(band {100.0 * one['band'][0]:.1f} to {100.0 * one['band'][1]:.1f}; "
-        f"upper end {_percent(one['relative_width'])} above the prediction)"
+        f"upper end {percentage(one['relative_width'])} above the prediction)"
         for one in intervals["coverage"]
     )
     verdicts = (
@@ -128,24 +138,63 @@ def _intervals(intervals: Mapping) -> str:
 def _curve(curve: pd.DataFrame) -> str:
     parts = []
     for name, rows in curve.groupby("model", sort=False):
-        steps = ", ".join(f"{row.r2:.4f} from {row.trained}" for row in rows.itertuples())
+        steps = ", ".join(f"{score_number(row.r2)} from {row.trained}" for row in rows.itertuples())
         parts.append(f"{NAMES[name]} {steps}")
     return f"R2 by number of training cases: {'; '.join(parts)}."
 
 
-def _extrapolation(extrapolation: pd.DataFrame) -> str:
+def _extrapolation(extrapolation: pd.DataFrame, fixed: Collection[str]) -> str:
     parts = []
+    untested = [test for test in TESTS if test.name not in set(extrapolation["test"])]
+    left = [
+        f"{test.words}, {HELD_FIXED if test.quantity in fixed else 'too few rows'}"
+        for test in untested
+    ]
+    said = f"Not tested: {'; '.join(left)}." if left else ""
     for words, rows in extrapolation.groupby("words", sort=False):
         best = rows[rows["model"] == BEST].iloc[0]
         others = ", ".join(
-            f"{NAMES[row.model]} {row.r2:.3f}" for row in rows[rows["model"] != BEST].itertuples()
+            f"{NAMES[row.model]} {score_number(row.r2, 3)}"
+            for row in rows[rows["model"] != BEST].itertuples()
         )
         parts.append(
-            f"{words} ({best['tested']} cases): {NAMES[BEST]} {best['r2']:.3f} (trained on such "
-            f"cases as well: {best['within_r2']:.3f}; {100.0 * best['coverage']:.0f} % inside its "
-            f"95 % intervals), {others}"
+            f"{words} ({best['tested']} cases): {NAMES[BEST]} {score_number(best['r2'], 3)} "
+            f"(trained on such cases as well: {score_number(best['within_r2'], 3)}; "
+            f"{percentage(best['coverage'])} inside its 95 % intervals), {others}"
         )
-    return f"R2 on cases beyond the training ranges. {'. '.join(parts)}."
+    if parts:
+        said = f"R2 on cases beyond the training ranges. {'. '.join(parts)}. {said}"
+    return said.strip()
+
+
+def _power_law(physical: Mapping) -> str:
+    said = f"{physical['equation']}. The residual scatter is {percentage(physical['scatter'])}."
+    told, untold = [], []
+    for one in physical["exponents"]:
+        name = LABELS[one["term"]].long_name
+        if one["variation"] == VARIED:
+            told.append(f"{name} {number_with_error(one['exponent'], one['standard_error'])}")
+        elif one["variation"] == NOT_IDENTIFIED:
+            untold.append(name)
+    if told:
+        said += f" Exponents of quantities: {', '.join(told)}."
+    if untold:
+        said += f" {NOT_IDENTIFIED.capitalize()}: {', '.join(untold)}."
+    return said
+
+
+def _held_fixed(fixed: Collection[str]) -> str:
+    return (
+        f"These quantities had the same value in all cases: {_listed(fixed)}. Nothing below is a "
+        "statement on their effect, and the models hold for these values alone."
+    )
+
+
+def _score(r2: Mapping) -> str:
+    """R2 and its interval over the splits."""
+    if not is_number(r2["median"]):
+        return score_number(None)
+    return f"{score_number(r2['median'])} ({score_range((r2['lower'], r2['upper']))})"
 
 
 def _speed(speed: Mapping) -> str:
@@ -162,14 +211,6 @@ def _speed(speed: Mapping) -> str:
     )
 
 
-def _number(value) -> str:
-    return "n/a" if value is None else f"{value:.4f}"
-
-
-def _percent(value: float) -> str:
-    return f"{100.0 * value:.0f} %"
-
-
 def _round(value: float) -> str:
     """A number with two digits, in thousands or millions."""
     for size, word in ((1e6, " million"), (1e3, " thousand")):
@@ -178,44 +219,88 @@ def _round(value: float) -> str:
     return f"{value:.2g}"
 
 
+NUMERALS = ("No", "One", "Two", "Three", "Four")
+
+
 def _sensitivity(verdict: Mapping, indices: pd.DataFrame, falls: pd.DataFrame) -> str:
-    wear = indices[indices["explained"] == "wear"].sort_values("total", ascending=False)
-    total = wear.set_index("feature")["total"]
-    by_loss = falls.sort_values("fall", ascending=False)
-    count = len(verdict["dominant"])
+    wear = indices[indices["explained"] == "wear"].set_index("feature")
+    dominant = verdict["dominant"]
     listed = ", ".join(
-        f"{LABELS[row.feature].long_name} ({row.total:.2f}; first order {row.first:.2f})"
-        for row in wear[:count].itertuples(index=False)
+        f"{LABELS[name].long_name} ({wear['total'][name]:.2f}; first order "
+        f"{wear['first'][name]:.2f})"
+        for name in dominant
     )
-    text = [
-        "Four quantities explain most of the variance of the wear over the ranges of this data "
-        f"set, by total Sobol index: {listed}."
-    ]
-    if verdict["agrees"]:
-        text.append("They are the four named in the paper.")
-    else:
-        missed = [name for name in verdict["paper"] if name not in verdict["dominant"]]
-        new = [name for name in verdict["dominant"] if name not in verdict["paper"]]
-        shares = ", ".join(f"{total[name]:.2f}" for name in missed)
+    varied = int((wear["variation"] == VARIED).sum())
+    text = []
+    if not dominant:
         text.append(
-            f"The paper names {len(verdict['shared'])} of them; instead of {_listed(new)} it names "
-            f"{_listed(missed)} (total index here: {shares})."
+            "The predicted wear has no spread over the ranges of this data set, so that no Sobol "
+            "index is determined." if varied else
+            "No quantity varied independently of the others, so that none is ranked."
+        )  # fmt: skip
+    elif varied > len(dominant):
+        text.append(
+            f"{NUMERALS[len(dominant)]} quantities explain most of the variance of the wear over "
+            f"the ranges of this data set, by total Sobol index: {listed}."
         )
-    losses = [
-        f"{LABELS[row.feature].long_name} ({row.fall:.2f})"
-        for row in by_loss[1:4].itertuples(index=False)
-    ]
-    first = by_loss.iloc[0]
-    text.append(
-        f"When shuffled among held-out cases, {LABELS[first['feature']].long_name} causes the "
-        f"largest fall of R2 ({first['fall']:.2f}), followed by {', '.join(losses)}."
-    )
+    else:
+        text.append(
+            "Total Sobol index of the quantities that varied independently, over the ranges of "
+            f"this data set: {listed}."
+        )
+    text += _beside_the_paper(verdict, wear["total"], len(dominant) < varied)
+    text += _falls(falls)
     if verdict["hardly_any_effect"]:
         text.append(
             "Hardly any effect (total index of ln wear below 0.01): "
             f"{_listed(verdict['hardly_any_effect'])}."
         )
+    for kind, words in (
+        ("held_fixed", "Held fixed, hence without a statement on their effect"),
+        ("not_identified", "Not identified, as they varied only together with others or the rows "
+         "are too few"),
+    ):  # fmt: skip
+        if verdict[kind]:
+            text.append(f"{words}: {_listed(verdict[kind])}.")
     return " ".join(text)
+
+
+def _beside_the_paper(verdict: Mapping, total: pd.Series, ranked: bool) -> list[str]:
+    """Comparison of the dominant quantities with those that the paper names."""
+    if verdict["agrees"]:
+        return ["They are the four named in the paper."]
+    if verdict["agrees"] is None or not ranked:
+        untold = [
+            name for name in verdict["paper"]
+            if name in (*verdict["held_fixed"], *verdict["not_identified"])
+        ]  # fmt: skip
+        return [
+            f"The paper names {_listed(verdict['paper'])}; this study says nothing on "
+            f"{_listed(untold)}."
+        ] if untold else []  # fmt: skip
+    missed = [name for name in verdict["paper"] if name not in verdict["dominant"]]
+    new = [name for name in verdict["dominant"] if name not in verdict["paper"]]
+    shares = ", ".join(f"{total[name]:.2f}" for name in missed)
+    return [
+        f"The paper names {len(verdict['shared'])} of them; instead of {_listed(new)} it names "
+        f"{_listed(missed)} (total index here: {shares})."
+    ]
+
+
+def _falls(falls: pd.DataFrame) -> list[str]:
+    """The quantities whose shuffling costs most."""
+    known = falls[(falls["variation"] == VARIED) & falls["fall"].notna()]
+    if known.empty:
+        return ["The fall of R2 when a quantity is shuffled is not determined."]
+    first, *others = known.sort_values("fall", ascending=False).head(4).itertuples(index=False)
+    said = (
+        f"When shuffled among held-out cases, {LABELS[first.feature].long_name} causes the "
+        f"largest fall of R2 ({number_or_words(first.fall, '.2f')})"
+    )
+    rest = ", ".join(
+        f"{LABELS[row.feature].long_name} ({number_or_words(row.fall, '.2f')})" for row in others
+    )
+    return [f"{said}, followed by {rest}." if rest else f"{said}."]
 
 
 def _listed(names) -> str:

@@ -23,12 +23,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, held_fixed, scales_of
 from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED, quantity
 from abradem.words.escaping import for_latex
 from abradem.words.labels import LABELS
+from abradem.words.numbers import LARGEST, LOWEST_SCORE, UNDETERMINED, is_number
 
 MISSING = "--"
-"""Printed instead of a missing number."""
+"""Printed where there is no such number, such as a score that the paper does not state."""
 
 DERIVATIONS = {
     "particle_youngs_modulus": r"2 G_p (1 + \nu_p)",
@@ -163,24 +165,30 @@ def printed(value, form: str) -> str:
     Parameters
     ----------
     value : number, str or list
-        None and nan are printed as a dash, lists with hyphens between their items.
+        None and nan are printed in words, lists with hyphens between their items.
     form : str
-        ``d`` for integers, ``2f`` for two decimals, ``3s`` for three significant digits, ``3g``
-        for three significant digits without trailing zeros, ``text`` for text. Large and small
-        numbers are printed with a power of ten.
+        ``d`` for integers, ``2f`` for two decimals, ``2r`` for R2 with two decimals, ``3s`` for
+        three significant digits, ``3g`` for three significant digits without trailing zeros,
+        ``text`` for text. Large and small numbers are printed with a power of ten; of those that
+        no result can have only the bound is printed, see `abradem.words.numbers`.
     """
     if isinstance(value, (list, tuple)):
         return "-".join(printed(item, form) for item in value)
     if form == "text" or isinstance(value, str):
         return for_latex(str(value))
-    if value is None or not math.isfinite(value):
-        return MISSING
+    if not is_number(value):
+        return UNDETERMINED
+    lowest = LOWEST_SCORE if form.endswith("r") else -LARGEST
+    if value < lowest:
+        return f"below {printed(lowest, '3g')}"
+    if value > LARGEST:
+        return f"above {printed(LARGEST, '3g')}"
     if form == "d":
         if value != int(value):
             raise ValueError(f"{value!r} is not an integer")
         return _signed(f"{int(value):d}")
     digits, kind = int(form[:-1]), form[-1]
-    if kind == "f" and abs(value) < 1e4:
+    if kind in "fr" and abs(value) < 1e4:
         # Print minus zero as zero.
         return _signed(f"{round(value, digits) + 0.0:.{digits}f}")
     text = f"{value:.{digits}g}"
@@ -198,9 +206,10 @@ def _signed(text: str) -> str:
 
 
 def parsed(text: str) -> float:
-    """The number from a text made by `printed`; nan for a dash."""
-    if text == MISSING:
+    """The number or the bound from a text made by `printed`; nan for words and for a dash."""
+    if text in (MISSING, UNDETERMINED):
         return math.nan
+    text = text.removeprefix("below ").removeprefix("above ")
     plain = text.removeprefix(r"\ensuremath{")
     plain = plain.removesuffix("}") if plain != text else plain
     power = re.fullmatch(r"(-?[\d.]+)\\times10\^\{(-?\d+)\}", plain)
@@ -346,11 +355,11 @@ def _of_models(results: CitedResults) -> dict[str, Number]:
             continue
         where = f"where model={row.model}, protocol={row.protocol}, basis={row.basis}"
         for end, column in (("", "r2"), ("Lower", "r2_lower"), ("Upper", "r2_upper")):
-            found[stem + end] = results.number(COMPARISON, f"{column} {where}", "2f")
+            found[stem + end] = results.number(COMPARISON, f"{column} {where}", "2r")
     for row in results.files[BESIDE].itertuples(index=False):
         if math.isfinite(row.printed_r2):
             place = f"printed_r2 where model={row.model}"
-            found[f"Rsquared{camel(row.model)}Printed"] = results.number(BESIDE, place, "2f")
+            found[f"Rsquared{camel(row.model)}Printed"] = results.number(BESIDE, place, "2r")
     scores = results.files[SCORES]
     for model in dict.fromkeys(scores.loc[scores["protocol"] == "leakage_free", "model"]):
         for metric in ("RMSE", "MAE"):
@@ -366,7 +375,7 @@ def _of_networks(results: CitedResults) -> dict[str, Number]:
         stem = _PROTOCOLS[protocol]
         found |= {
             f"Architecture{stem}": results.number(file, "architecture", "d"),
-            f"BestFitness{stem}": results.number(file, "best_fitness", "2f"),
+            f"BestFitness{stem}": results.number(file, "best_fitness", "2r"),
             f"NetworksTrained{stem}": results.number(file, "networks_trained", "d"),
         }
     return found
@@ -393,7 +402,9 @@ def quantities_tex(results: CitedResults, study: str) -> str:
                 results.number(CONFIG, f"sampling.ranges.{row.config_key}.{index}", "4g")
                 for index in (0, 1)
             ]
-            rows.append([*head, *ends, ""])
+            values = np.array([[results.value(CONFIG, end.place)] for end in ends])
+            fixed = held_fixed(values)[0]
+            rows.append([*head, ends[0], HELD_FIXED if fixed else ends[1], ""])
         else:
             formula = DERIVATIONS.get(row.name, "")
             formula = formula[form] if isinstance(formula, dict) else formula
@@ -413,11 +424,14 @@ def features_tex(results: CitedResults, study: str) -> str:
             mine = selection[(selection["feature"] == name) & (selection["protocol"] == protocol)]
             marks.append(_mark(bool((mine["chosen_by"] != "").any())))
         listed = selection.loc[selection["feature"] == name, "in_paper"]
+        values = results.files[DATASET][[name]].to_numpy(dtype=float)
+        fixed = held_fixed(values, scales_of([name]))[0]
         rows.append(
             [
                 row.symbol, f"${LABELS[row.name].tex}$", LABELS[row.name].long_name,
                 unit_tex(row.unit),
-                results.number(DATASET, f"min {name}"), results.number(DATASET, f"max {name}"),
+                results.number(DATASET, f"min {name}"),
+                HELD_FIXED if fixed else results.number(DATASET, f"max {name}"),
                 _mark(bool(listed.any())), *marks,
             ]
         )  # fmt: skip
@@ -442,14 +456,21 @@ def _mark(chosen: bool) -> str:
 def models_tex(results: CitedResults, names: Mapping[str, str], study: str) -> str:
     """Table of R2 of all models: printed, as published, and leakage-free with its interval."""
     rows: list[list[str | Number]] = []
+    comparison = results.files[COMPARISON]
     for row in results.files[BESIDE].itertuples(index=False):
-        cells = [
-            results.number(BESIDE, f"{column} where model={row.model}", "2f")
-            for column in (
-                "printed_r2", "as_published_r2", "leakage_free_r2", "leakage_free_lower",
-                "leakage_free_upper",
-            )
-        ]  # fmt: skip
+        mine = comparison[comparison["model"] == row.model]
+        # A score that does not exist is no score that is not determined.
+        exists = {
+            "printed_r2": is_number(row.printed_r2),
+            "as_published_r2": (mine["protocol"] == "as_published").any(),
+            **dict.fromkeys(
+                ("leakage_free_r2", "leakage_free_lower", "leakage_free_upper"), bool(row.basis)
+            ),
+        }
+        cells = []
+        for column, there in exists.items():
+            cell = results.number(BESIDE, f"{column} where model={row.model}", "2r")
+            cells.append(cell if there else cell._replace(text=MISSING))
         rows.append([for_latex(names.get(row.model, row.model)), *cells, for_latex(row.basis)])
     head = ["Model", "Printed", "As published", "Leakage-free", "From", "To", "Interval over"]
     return table_tex("lrrrrrl", head, rows, study)

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset.join import reasons
+from abradem.words.labels import LABELS
 
 
 def study_summary(
@@ -37,10 +38,11 @@ def study_summary(
     -------
     dict
         ``external``, ``cases``, ``target``, ``wear_range`` (mm/s), ``models`` (leakage-free R2 on
-        held-out rows: model, r2, lower, upper, basis) and ``misprints`` of the printed equation
-        (None unless the data set is the paper's). For simulations also the entries of
-        `quality_counts`, with ``cases`` the number of sampled cases, ``simulated`` those in the
-        data set, ``failures`` the others, and ``reasons`` the number of failures by reason.
+        held-out rows: model, r2, lower, upper, basis), ``held_fixed`` (quantities that did not
+        vary) and ``misprints`` of the printed equation (None unless the data set is the paper's).
+        For simulations also the entries of `quality_counts`, with ``cases`` the number of sampled
+        cases, ``simulated`` those in the data set, ``failures`` the others, and ``reasons`` the
+        number of failures by reason.
     """
     target = dataset[linear["target"]["name"]]
     found = {
@@ -49,6 +51,7 @@ def study_summary(
         "target": linear["target"]["name"],
         "wear_range": [float(target.min()), float(target.max())],
         "misprints": linear["misprints"],
+        "held_fixed": [LABELS[name].long_name for name in linear["held_fixed"]],
         "models": [
             {
                 "model": row.model,

@@ -66,7 +66,7 @@ def with_values(config: Config, values: Mapping[str, object]) -> Config:
         for part in path:
             section = section.get(part) or {}
         section[name] = value
-    return load_config(merged, elsewhere="search")
+    return load_config(merged, "a set-up")
 
 
 def override_file(resolved: Mapping, outcome: Mapping) -> str:

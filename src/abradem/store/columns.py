@@ -122,6 +122,7 @@ LEARNING = {
     "identified": Column("1", "whether the rows determine this coefficient", "bool"),
     "actual": Column(TARGET.unit, "simulated wear depth rate"),
     "predicted": Column(TARGET.unit, "predicted wear depth rate"),
+    "variation": Column("1", "varied, held fixed or not identified in these rows", "string"),
     "variance_inflation": Column("1", "variance inflation factor"),
     "fitted": Column("1", "fitted target, in its standard deviations"),
     "residual": Column("1", "residual, in standard deviations of the target"),

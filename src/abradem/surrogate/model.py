@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from abradem.dataset.variation import SAME, held_fixed, scales_of
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, quantity
 from abradem.store.checksums import damage, remedy
 from abradem.store.errors import TableError
@@ -247,7 +248,11 @@ class Surrogate:
         lines = []
         for name, (low, high) in self.ranges.items():
             column = columns[name]
-            slack = SLACK * (high - low)
+            ends, scale = np.array([[low], [high]]), scales_of([name])
+            fixed = bool(held_fixed(ends, scale)[0])
+            # A quantity held fixed is the same value if it differs by float noise alone.
+            least = SAME * max(abs(low), abs(high), float(scale[0]))
+            slack = least if fixed else SLACK * (high - low)
             beyond = (column < low - slack) | (column > high + slack)
             # The wear is exactly proportional to the Archard constant, in any range.
             if name == "archard_constant" or not beyond.any():
@@ -256,6 +261,12 @@ class Surrogate:
             unit = "" if row.unit == "1" else f" {row.unit}"
             shown = f"{name} = {column[np.argmax(beyond)]:g}{unit}"
             more = "" if count == 1 else f" (and {count - 1} more)"
+            if fixed:
+                lines.append(
+                    f"{shown}{more}: this quantity was held fixed at {low:g}{unit} in training; "
+                    "its effect is unknown to the model, the interval does not hold"
+                )
+                continue
             lines.append(
                 f"{shown}{more} is outside the training range {low:g} ... {high:g}{unit}: "
                 "extrapolated, the interval does not hold"

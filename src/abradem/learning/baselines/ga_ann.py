@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, of_kind
 from abradem.learning.baselines import genetic
 from abradem.learning.baselines.genetic import Memory, Options, Search, SearchProblem
 from abradem.learning.baselines.selection import select
@@ -43,7 +44,7 @@ from abradem.learning.protocols import (
     repeated_splits,
 )
 from abradem.learning.published import NETWORK, SELECTED
-from abradem.learning.rows import Scaler, Table, standard_scaler
+from abradem.learning.rows import HUGE, Scaler, Table, standard_scaler
 from abradem.learning.scores import scores_of
 from abradem.quantities import FEATURE_NAMES, quantity
 
@@ -155,6 +156,9 @@ def published_network_split(table: Table) -> Split:
     """Rows, features and scalers of the published protocol."""
     train, test = published_split(len(table.target), PUBLISHED_NETWORK_SHARE)
     columns = np.array([FEATURE_NAMES.index(name) for name in SELECTED])
+    # Nothing can be learned from those held fixed; if all are, from the others.
+    varied = columns[np.isin(columns, table.varied)]
+    columns = varied if len(varied) else table.varied
     of_x = standard_scaler(table.features[:, columns])
     return Split(
         train,
@@ -269,8 +273,9 @@ def fit_networks(
         "fitness": _FITNESS[protocol],
         "features": [FEATURE_NAMES[column] for column in split.columns],
         "symbols": [quantity(FEATURE_NAMES[column]).symbol for column in split.columns],
+        "held_fixed": of_kind(FEATURE_NAMES, table.variation, HELD_FIXED),
         "architecture": list(search.best.layers),
-        "best_fitness": search.fitness,
+        "best_fitness": _stated(search.fitness),
         "lineage": _lineage(search),
         "generations": _generations(search),
         "networks_trained": search.trained,
@@ -281,7 +286,8 @@ def fit_networks(
             "test": len(split.test),
         },
         "searches": [
-            {"architecture": list(one.best.layers), "best_fitness": one.fitness} for _, one in found
+            {"architecture": list(one.best.layers), "best_fitness": _stated(one.fitness)}
+            for _, one in found
         ],
         "confidence": confidence,
         "scores": scores,
@@ -348,22 +354,28 @@ def _score(results: Results, model: str, protocol: str, repeat: int, split: Spli
     if protocol == AS_PUBLISHED:
         # As published, the best network on the test rows counts, that of the search included.
         candidates = looks + ([(search.network, split.search_scalers)] if search else [])
-        errors = [
-            np.mean((_predict(table, split, look, split.test) - table.target[split.test]) ** 2)
-            for look in candidates
-        ]
+        actual = table.target[split.test]
+        away = [_predict(table, split, look, split.test) - actual for look in candidates]
+        # Squares of huge errors overflow; the unit does not change the order.
+        unit = max(1.0, np.abs(away).max() / HUGE)
+        errors = [np.mean((error / unit) ** 2) for error in away]
         counted = candidates[int(np.argmin(errors))]
     floor = float(table.target[split.train].min())
     for name, rows in (("train", split.train), ("test", split.test)):
         predicted = _predict(table, split, counted, rows)
         results.add(model, protocol, name, repeat, rows, predicted, floor, name == "test")
     if search is not None:
-        results.add_metrics(model, protocol, "search", repeat, {"R2": search.fitness})
+        results.add_metrics(model, protocol, "search", repeat, {"R2": _stated(search.fitness)})
     if len(looks) > 1:
         for number, look in enumerate(looks):
             predicted = _predict(table, split, look, split.test)
             results.add(model, protocol, "retrained", number, split.test, predicted, floor, False)
     return counted
+
+
+def _stated(fitness: float) -> float:
+    """A fitness as reported: nan if it is undefined, as for rows without spread."""
+    return float(fitness) if fitness > genetic.FAILED else np.nan
 
 
 def _lineage(search: Search) -> list[dict]:
@@ -372,6 +384,7 @@ def _lineage(search: Search) -> list[dict]:
     return [
         {"generation": generation, "individual": individual}
         | rows.loc[(generation, individual), columns].to_dict()
+        | {"fitness": _stated(rows.loc[(generation, individual), "fitness"])}
         for generation, individual in search.lineage
     ]
 
@@ -381,8 +394,8 @@ def _generations(search: Search) -> list[dict]:
     return [
         {
             "generation": generation,
-            "best_fitness": rows["fitness"].max(),
-            "median_fitness": rows["fitness"].median(),
+            "best_fitness": _stated(rows["fitness"].max()),
+            "median_fitness": _stated(rows["fitness"].median()),
             "fewest_parameters": rows["parameters"].min(),
             "median_parameters": rows["parameters"].median(),
             "most_parameters": rows["parameters"].max(),

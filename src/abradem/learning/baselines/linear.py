@@ -34,6 +34,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED, held_fixed, of_kind
 from abradem.learning.evaluation import (
     Predict,
     Results,
@@ -51,7 +52,7 @@ from abradem.learning.protocols import (
     published_split,
 )
 from abradem.learning.published import compare_equation
-from abradem.learning.rows import Scaler, Table, constant, learning_table, standard_scaler
+from abradem.learning.rows import Scaler, Table, learning_table, standard_scaler
 from abradem.learning.scores import r2, scores_of
 from abradem.quantities import FEATURE_NAMES, TARGET, quantity
 
@@ -97,7 +98,9 @@ class LinearResult:
     ----------
     coefficients : pandas.DataFrame
         protocol, symbol, feature, coefficient, standard_error, lower, upper, identified,
-        variance_inflation; one row per feature, dimensionless.
+        variation (``varied``, ``held fixed`` or ``not identified``), variance_inflation; one row
+        per feature, dimensionless. The coefficient of a feature that was held fixed is nan; one
+        that is not identified belongs to the fit of least norm.
     equation : str
         The fitted equation in standardised variables.
     residuals : pandas.DataFrame
@@ -147,7 +150,7 @@ def least_squares(features: np.ndarray, target: np.ndarray) -> LeastSquares:
     u, singular, vt = u[:, kept], singular[kept], vt[kept]
     rank = len(singular)
     pseudo_inverse = (vt.T / singular) @ u.T
-    coefficients = np.where(constant(features), 0.0, pseudo_inverse @ y)
+    coefficients = np.where(held_fixed(features), 0.0, pseudo_inverse @ y)
     identified = np.sum(vt**2, axis=0) > 1.0 - 1e-8
 
     leverage = 1.0 / n + np.sum(u**2, axis=1)
@@ -188,7 +191,7 @@ def variance_inflation(features: np.ndarray) -> np.ndarray:
     A factor is inf if the other features determine the feature, and nan for a constant feature.
     All are nan if there are too few rows.
     """
-    varies = np.flatnonzero(~constant(features))
+    varies = np.flatnonzero(~held_fixed(features))
     found = np.full(features.shape[1], np.nan)
     if len(features) <= len(varies) + 1:
         return found
@@ -274,7 +277,10 @@ def fit_linear(
     results.add(MODEL, LEAKAGE_FREE, "fit", -1, everything, fitted, float(y.min()), keep=False)
     residuals = _residuals(rows, fit, fitted)
     published, own = compare_equation(*_published_equation(rows))
-    coefficients = _coefficients(fit, confidence).assign(variance_inflation=variance_inflation(x))
+    fixed = held_fixed(x)
+    coefficients = _coefficients(fit, fixed, confidence).assign(
+        variance_inflation=variance_inflation(x)
+    )
     scores = results.scores
     tested = held_out(len(y), test_share)
     train = len(y) - tested
@@ -305,7 +311,9 @@ def fit_linear(
                 "rows": len(y), "train": train, "test": tested, "repeats": repeats,
                 "test_share": test_share, "seed": seed,
             },
-            "notes": _notes(fit, constant(x), len(y), train, tested, scores),
+            "held_fixed": of_kind(FEATURE_NAMES, coefficients["variation"], HELD_FIXED),
+            "not_identified": of_kind(FEATURE_NAMES, coefficients["variation"], NOT_IDENTIFIED),
+            "notes": _notes(fit, fixed, len(y), train, tested, scores),
         },
     )  # fmt: skip
 
@@ -349,30 +357,37 @@ def _residuals(table: Table, fit: LeastSquares, fitted: np.ndarray) -> pd.DataFr
     )
 
 
-def _coefficients(fit: LeastSquares, confidence: float) -> pd.DataFrame:
+def _coefficients(fit: LeastSquares, fixed: np.ndarray, confidence: float) -> pd.DataFrame:
     freedom = fit.degrees_of_freedom
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, freedom) if freedom else np.nan
+    variation = np.where(fixed, HELD_FIXED, np.where(fit.identified, VARIED, NOT_IDENTIFIED))
     return pd.DataFrame(
         {
             "protocol": LEAKAGE_FREE,
             "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
             "feature": FEATURE_NAMES,
-            "coefficient": fit.coefficients,
+            "coefficient": np.where(fixed, np.nan, fit.coefficients),
             "standard_error": fit.standard_error,
             "lower": fit.coefficients - quantile * fit.standard_error,
             "upper": fit.coefficients + quantile * fit.standard_error,
             "identified": fit.identified,
+            "variation": variation.astype(object),
         }
     )
 
 
 def _equation(coefficients: pd.DataFrame) -> str:
     """The equation in standardised variables; its intercept is 0 on the fitted rows."""
+    varied = coefficients[coefficients["variation"] != HELD_FIXED]
     terms = [
         f"{'-' if value < 0 else '+'} {abs(value):.3f} {symbol}"
-        for symbol, value in zip(coefficients["symbol"], coefficients["coefficient"], strict=True)
+        for symbol, value in zip(varied["symbol"], varied["coefficient"], strict=True)
     ]
-    return f"{TARGET.symbol} = 0.000 " + " ".join(terms)
+    said = f"{TARGET.symbol} = 0.000 " + " ".join(terms)
+    for kind, words in ((HELD_FIXED, HELD_FIXED), (NOT_IDENTIFIED, f"{NOT_IDENTIFIED} singly")):
+        found = of_kind(coefficients["symbol"], coefficients["variation"], kind)
+        said += f"; {words}: {', '.join(found)}" if found else ""
+    return said
 
 
 def _notes(
@@ -383,19 +398,20 @@ def _notes(
     size = len(FEATURE_NAMES)
     if fixed.any():
         symbols = [quantity(name).symbol for name in np.array(FEATURE_NAMES)[fixed]]
-        notes.append(f"constant in this table, hence without effect: {', '.join(symbols)}")
-    if fit.rank < size:
+        notes.append(f"held fixed, hence without a coefficient: {', '.join(symbols)}")
+    free = size - int(fixed.sum())
+    if fit.rank < free:
         notes.append(
-            f"{rows} rows of rank {fit.rank} do not determine {size} coefficients: the fit of "
+            f"{rows} rows of rank {fit.rank} do not determine {free} coefficients: the fit of "
             "least norm is given"
         )
     if np.isnan(fit.standard_error).all():
         notes.append(f"{rows} rows leave no scatter to judge: no intervals of the coefficients")
-    elif np.isnan(fit.standard_error).any():
+    elif np.isnan(fit.standard_error[~fixed]).any():
         notes.append("coefficients that the rows do not determine have no interval")
-    if train <= size:
+    if train <= free:
         notes.append(
-            f"{train} training rows for {size} coefficients: the fits interpolate their training "
+            f"{train} training rows for {free} coefficients: the fits interpolate their training "
             "rows and the held-out scores say little"
         )
     if test < 2:
@@ -410,7 +426,10 @@ def train(dataset: pd.DataFrame, target: str, name: str, **options) -> dict:
     """Outputs of the workflow rule by name; ``options`` are arguments of `fit_linear`."""
     found = fit_linear(dataset, target, table=name, **options)
     return {
-        "summary": (found.summary, {"coefficients": found.coefficients["coefficient"].to_numpy()}),
+        "summary": (
+            found.summary,
+            {"coefficients": found.coefficients["coefficient"].fillna(0.0).to_numpy()},
+        ),
         "coefficients": found.coefficients,
         "residuals": found.residuals,
         "published": found.published,

@@ -6,7 +6,9 @@ which was in the column where the notebook expected the wear. ``leakage_free`` s
 features, and chooses the number of components by cross-validation inside the training rows.
 
 The analysis itself does not use the target. Its loadings, variances and groups are computed from
-all rows and are descriptive.
+all rows and are descriptive. Features that were held fixed have no part in any component: they are
+left out and named. Directions without variance, which features that depend on each other leave,
+are no components: their axes would be arbitrary.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, held_fixed, of_kind
 from abradem.learning.evaluation import Predict, Results, evaluate_leakage_free
 from abradem.learning.model_files import about
 from abradem.learning.protocols import (
@@ -31,12 +34,11 @@ from abradem.learning.rows import (
     FEWEST_ROWS,
     Scaler,
     Table,
-    constant,
     learning_table,
     minmax_scaler,
     standard_scaler,
 )
-from abradem.learning.scores import r2, scores_of
+from abradem.learning.scores import central_columns, mean_columns, r2, scores_of
 from abradem.quantities import FEATURE_NAMES, TARGET, quantity
 
 MODEL = "pca"
@@ -47,6 +49,8 @@ STIFFNESS = (
     "particle_youngs_modulus", "particle_shear_modulus", "equipment_youngs_modulus",
     "equipment_shear_modulus", "effective_youngs_modulus", "effective_shear_modulus",
 )  # fmt: skip
+NO_SPREAD = 1e-9
+"""Standard deviation along a direction, as a share of the largest, that counts as none."""
 GROUPED = 0.6
 """A feature is grouped with the component that it correlates with most, if the absolute
 correlation is at least this large."""
@@ -60,7 +64,7 @@ class Components(NamedTuple):
     axes : ndarray, shape (k, p)
         Orthonormal.
     variances : ndarray, shape (k,)
-        In descending order.
+        In descending order, without those that are 0.
     centre : ndarray, shape (p,)
         Mean of the rows.
     """
@@ -77,7 +81,8 @@ class PcaResult:
     Attributes
     ----------
     loadings : pandas.DataFrame
-        protocol, component, symbol, feature, loading, correlation (of feature and component).
+        protocol, component, symbol, feature, loading, correlation (of feature and component), of
+        the features that varied.
     scree : pandas.DataFrame
         protocol, component, variance, share, cumulative.
     correlations : pandas.DataFrame
@@ -89,7 +94,8 @@ class PcaResult:
     model : tuple
         Description and arrays of the regression.
     summary : dict
-        Groups of features by component, and the groups of the stiffnesses as text.
+        Groups of features by component, the groups of the stiffnesses as text, and
+        ``held_fixed``, the features left out.
     """
 
     loadings: pd.DataFrame
@@ -105,6 +111,8 @@ def principal_components(z: np.ndarray) -> Components:
     """Principal components of scaled rows (n, p); the largest loading of each axis is positive."""
     centre = z.mean(axis=0)
     _, singular, vt = np.linalg.svd(z - centre, full_matrices=False)
+    kept = singular > NO_SPREAD * singular.max(initial=0.0)
+    singular, vt = singular[kept], vt[kept]
     sign = np.sign(vt[np.arange(len(vt)), np.argmax(np.abs(vt), axis=1)])
     return Components(vt * sign[:, None], singular**2 / max(len(z) - 1, 1), centre)
 
@@ -133,7 +141,8 @@ def regress(x: np.ndarray, y: np.ndarray, count: int) -> Predict:
 
 def curve_of(x: np.ndarray, y: np.ndarray, rows: np.ndarray, actual: np.ndarray) -> np.ndarray:
     """R2 on ``rows`` for regressions on 1, 2, ... components fitted to ``x`` and ``y``."""
-    most = min(x.shape[1], len(y) - 1)
+    of_x = standard_scaler(x)
+    most = min(len(principal_components(of_x.forward(x)).axes), len(y) - 1)
     return np.array([r2(actual, regress(x, y, count)(rows)) for count in range(1, most + 1)])
 
 
@@ -143,8 +152,11 @@ def choose_components(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) 
         curve_of(x[train], y[train], x[check], y[check])
         for train, check in folds(len(y), fold_count, seed)
     ]
-    shortest = min(map(len, curves))
-    means = np.nanmean([curve[:shortest] for curve in curves], axis=0)
+    shortest = max(1, min(map(len, curves)))
+    if not all(map(len, curves)):
+        # No feature varies in the training rows of a fold.
+        return 1
+    means = mean_columns(np.array([curve[:shortest] for curve in curves]))
     return 1 + int(np.argmax(np.nan_to_num(means, nan=-np.inf)))
 
 
@@ -172,8 +184,9 @@ def fit_pca(
     """
     x, y = table.features, table.target
     results = Results(table)
-    published = principal_components(minmax_scaler(x).forward(x))
-    standard = principal_components(standard_scaler(x).forward(x))
+    names = [FEATURE_NAMES[column] for column in table.varied]
+    scaled = [scaler(x).forward(x)[:, table.varied] for scaler in (minmax_scaler, standard_scaler)]
+    published, standard = map(principal_components, scaled)
     curve = [*_published_curves(results, published), _leakage_free_curve(
         table, test_share, repeats, confidence, seed
     )]  # fmt: skip
@@ -188,8 +201,8 @@ def fit_pca(
     count = choose_components(x, y, fold_count, seed)
     loadings = pd.concat(
         [
-            _loadings(AS_PUBLISHED, published, minmax_scaler(x).forward(x)),
-            _loadings(LEAKAGE_FREE, standard, standard_scaler(x).forward(x)),
+            _loadings(AS_PUBLISHED, published, scaled[0], names),
+            _loadings(LEAKAGE_FREE, standard, scaled[1], names),
         ],
         ignore_index=True,
     )
@@ -207,6 +220,7 @@ def fit_pca(
         summary={
             "groups": groups,
             "stiffness": {name: stiffness_words(found) for name, found in groups.items()},
+            "held_fixed": of_kind(FEATURE_NAMES, table.variation, HELD_FIXED),
             "components": count,
             "components_of_the_splits": counts,
         },
@@ -242,7 +256,7 @@ def _published_curves(results: Results, parts: Components) -> list[pd.DataFrame]
     table = results.table
     x, y = table.features, table.target
     train, test = published_split(len(y), PUBLISHED_SHARE)
-    scores = (minmax_scaler(x).forward(x) - parts.centre) @ parts.axes.T
+    scores = (minmax_scaler(x).forward(x)[:, table.varied] - parts.centre) @ parts.axes.T
     z = standard_scaler(scores).forward(scores)
     curves = []
     for model, name, target, most in (
@@ -250,6 +264,11 @@ def _published_curves(results: Results, parts: Components) -> list[pd.DataFrame]
         (WRONG, LAST, z[:, -1], z.shape[1] - 1),
     ):
         most = min(most, len(train) - 1)
+        if not most:
+            # A single component leaves nothing to explain it.
+            curves.append(_curve_rows(AS_PUBLISHED, name, np.empty(0)))
+            results.add_metrics(model, AS_PUBLISHED, "test", 0, {"R2": np.nan})
+            continue
         found = []
         for count in range(1, most + 1):
             slopes, intercept = _ordinary(z[train], target[train], count)
@@ -269,15 +288,14 @@ def _leakage_free_curve(
     table: Table, test_share: float, repeats: int, confidence: float, seed: int
 ) -> pd.DataFrame:
     x, y = table.features, table.target
-    curves = np.array(
-        [
-            curve_of(x[train], y[train], x[test], y[test])
-            for train, test in repeated_splits(table.keys, test_share, repeats, seed)
-        ]
-    )
-    tail = 50.0 * (1.0 - confidence)
-    lower, upper = np.percentile(curves, [tail, 100.0 - tail], axis=0)
-    return _curve_rows(LEAKAGE_FREE, WEAR, np.median(curves, axis=0), lower, upper)
+    curves = [
+        curve_of(x[train], y[train], x[test], y[test])
+        for train, test in repeated_splits(table.keys, test_share, repeats, seed)
+    ]
+    # The rows of a split may leave fewer components than those of another.
+    shortest = min(map(len, curves))
+    found = np.array([curve[:shortest] for curve in curves])
+    return _curve_rows(LEAKAGE_FREE, WEAR, *central_columns(found, confidence))
 
 
 def _curve_rows(protocol, target, found, lower=np.nan, upper=np.nan) -> pd.DataFrame:
@@ -293,18 +311,17 @@ def _curve_rows(protocol, target, found, lower=np.nan, upper=np.nan) -> pd.DataF
     )
 
 
-def _loadings(protocol: str, parts: Components, z: np.ndarray) -> pd.DataFrame:
+def _loadings(protocol: str, parts: Components, z: np.ndarray, names: list[str]) -> pd.DataFrame:
     spread = z.std(axis=0, ddof=1) if len(z) > 1 else np.ones(z.shape[1])
     # Correlation of feature j and component i: axis_ij sqrt(variance_i) / spread_j.
     correlation = parts.axes * np.sqrt(parts.variances)[:, None]
     correlation = np.divide(correlation, spread, out=np.zeros_like(correlation), where=spread > 0)
-    size = len(FEATURE_NAMES)
     return pd.DataFrame(
         {
             "protocol": protocol,
-            "component": np.repeat(np.arange(1, len(parts.axes) + 1), size),
-            "symbol": [quantity(name).symbol for name in FEATURE_NAMES] * len(parts.axes),
-            "feature": list(FEATURE_NAMES) * len(parts.axes),
+            "component": np.repeat(np.arange(1, len(parts.axes) + 1), len(names)),
+            "symbol": [quantity(name).symbol for name in names] * len(parts.axes),
+            "feature": names * len(parts.axes),
             "loading": parts.axes.ravel(),
             "correlation": correlation.ravel(),
         }
@@ -329,7 +346,7 @@ def _correlations(table: Table) -> pd.DataFrame:
     values = np.column_stack([table.features, table.target])
     of_values = standard_scaler(values)
     z = of_values.forward(values)
-    z[:, constant(values)] = np.nan
+    z[:, held_fixed(values)] = np.nan
     found = z.T @ z / len(z)
     names = [*FEATURE_NAMES, TARGET.name]
     return pd.DataFrame(
@@ -347,7 +364,13 @@ def _model(
 ) -> tuple:
     x, y = table.features, table.target
     of_x = standard_scaler(x)
-    slopes, intercept = _ordinary((of_x.forward(x) - parts.centre) @ parts.axes.T, y, count)
+    count = min(count, len(parts.axes))
+    z = of_x.forward(x)[:, table.varied] - parts.centre
+    slopes, intercept = _ordinary(z @ parts.axes.T, y, count)
+    coefficients = np.zeros(x.shape[1])
+    coefficients[table.varied] = parts.axes[:count].T @ slopes
+    axes = np.zeros((len(parts.axes), x.shape[1]))
+    axes[:, table.varied] = parts.axes
     description = about(
         table,
         MODEL,
@@ -359,8 +382,8 @@ def _model(
         scores=scores_of(results.scores, MODEL, LEAKAGE_FREE, confidence),
     )
     arrays = {
-        "coefficients": parts.axes[:count].T @ slopes,
-        "axes": parts.axes,
+        "coefficients": coefficients,
+        "axes": axes,
         "variances": parts.variances,
     }
     return description, arrays

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED
 from abradem.learning.evaluation import (
     Fit,
     Results,
@@ -28,7 +29,7 @@ from abradem.learning.evaluation import (
 from abradem.learning.model_files import about
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE, folds
 from abradem.learning.rows import FEWEST_ROWS, Table, learning_table, standard_scaler
-from abradem.learning.scores import r2, scores_of
+from abradem.learning.scores import mean_columns, r2, scores_of
 from abradem.quantities import FEATURE_NAMES, quantity
 
 MODELS = ("lasso", "ridge")
@@ -55,9 +56,11 @@ class PenalisedResult:
     ----------
     weights : pandas.DataFrame
         model, protocol, symbol, feature, weight (mean over the fits of the protocol), survives
-        (share of these fits with a weight other than zero).
+        (share of these fits with a weight other than zero), variation. Features that were held
+        fixed have neither; those that are not identified share a weight with others.
     paths : pandas.DataFrame
-        model, protocol, alpha, symbol, feature, weight; fitted to all rows.
+        model, protocol, alpha, symbol, feature, weight; fitted to all rows. Without the features
+        that were held fixed.
     validation : pandas.DataFrame
         model, protocol, alpha, mean and stderr_of_mean of R2 over the folds of a cross-validation
         of all rows, chosen.
@@ -142,7 +145,7 @@ def choose_alpha(
         predicted = of_y.back(of_x.forward(x[check]) @ found.T)
         scores.append([r2(y[check], column) for column in predicted.T])
     # R2 is nan for a fold with a constant target; if all are nan, the largest penalty is chosen.
-    means = np.nan_to_num(np.nanmean(np.array(scores), axis=0), nan=-np.inf)
+    means = np.nan_to_num(mean_columns(np.array(scores)), nan=-np.inf)
     return Penalty(float(alphas[int(np.argmax(means))]), alphas, np.array(scores))
 
 
@@ -197,12 +200,12 @@ def fit_penalised(
             return with_scalers(penalised(model, penalty.alpha, leakage_free))(features, target)
 
         evaluate_leakage_free(results, model, fit_leakage_free, test_share, repeats, seed)
-        rows += _weight_rows(model, AS_PUBLISHED, np.array(as_published))
-        rows += _weight_rows(model, LEAKAGE_FREE, np.array(leakage_free))
+        rows += _weight_rows(model, AS_PUBLISHED, np.array(as_published), table.variation)
+        rows += _weight_rows(model, LEAKAGE_FREE, np.array(leakage_free), table.variation)
 
         penalty = choose_alpha(model, x, y, path_points, fold_count, seed)
         path = weights(model, z, v, penalty.alphas)
-        paths.append(_path_rows(model, penalty.alphas, path))
+        paths.append(_path_rows(model, penalty.alphas, path, table.varied))
         validation.append(_validation_rows(model, penalty))
         (final,) = weights(model, z, v, np.array([penalty.alpha]))
         summary[model] = {
@@ -240,43 +243,50 @@ def _names(found: np.ndarray) -> list[str]:
     return [name for name, weight in zip(FEATURE_NAMES, found, strict=True) if weight != 0.0]
 
 
-def _weight_rows(model: str, protocol: str, found: np.ndarray) -> list[dict]:
+def _weight_rows(model: str, protocol: str, found: np.ndarray, variation: np.ndarray) -> list[dict]:
     return [
         {
             "model": model,
             "protocol": protocol,
             "symbol": quantity(name).symbol,
             "feature": name,
-            "weight": float(column.mean()),
-            "survives": float(np.mean(column != 0.0)),
+            "weight": np.nan if says == HELD_FIXED else float(column.mean()),
+            "survives": np.nan if says == HELD_FIXED else float(np.mean(column != 0.0)),
+            "variation": says,
         }
-        for name, column in zip(FEATURE_NAMES, found.T, strict=True)
+        for name, column, says in zip(FEATURE_NAMES, found.T, variation, strict=True)
     ]
 
 
-def _path_rows(model: str, alphas: np.ndarray, path: np.ndarray) -> pd.DataFrame:
-    size = len(FEATURE_NAMES)
+def _path_rows(
+    model: str, alphas: np.ndarray, path: np.ndarray, varied: np.ndarray
+) -> pd.DataFrame:
+    names = [FEATURE_NAMES[column] for column in varied]
     return pd.DataFrame(
         {
             "model": model,
             "protocol": LEAKAGE_FREE,
-            "alpha": np.repeat(alphas, size),
-            "symbol": [quantity(name).symbol for name in FEATURE_NAMES] * len(alphas),
-            "feature": list(FEATURE_NAMES) * len(alphas),
-            "weight": path.ravel(),
+            "alpha": np.repeat(alphas, len(names)),
+            "symbol": [quantity(name).symbol for name in names] * len(alphas),
+            "feature": names * len(alphas),
+            "weight": path[:, varied].ravel(),
         }
     )
 
 
 def _validation_rows(model: str, penalty: Penalty) -> pd.DataFrame:
     count = np.isfinite(penalty.scores).sum(axis=0)
+    mean = mean_columns(penalty.scores)
+    away = np.where(np.isfinite(penalty.scores), penalty.scores - mean, 0.0)
+    # The standard error of a single fold is not determined.
+    spread = np.sqrt(np.sum(away**2, axis=0) / np.where(count > 1, count - 1, np.nan))
     return pd.DataFrame(
         {
             "model": model,
             "protocol": LEAKAGE_FREE,
             "alpha": penalty.alphas,
-            "mean": np.nanmean(penalty.scores, axis=0),
-            "stderr_of_mean": np.nanstd(penalty.scores, axis=0, ddof=1) / np.sqrt(count),
+            "mean": mean,
+            "stderr_of_mean": spread / np.sqrt(np.maximum(count, 1)),
             "chosen": penalty.alphas == penalty.alpha,
         }
     )

@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, held_fixed, of_kind
 from abradem.learning.baselines.pca import principal_components
 from abradem.learning.baselines.penalised import weights
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE, repeated_splits
@@ -56,23 +57,31 @@ def select(
 
     Returns
     -------
-    columns : ndarray of int, shape (count,)
-        Column numbers of the chosen features, ascending.
+    columns : ndarray of int, shape (k,)
+        Column numbers of the chosen features, ascending; fewer than ``count`` if fewer vary.
     table : pandas.DataFrame
         symbol, feature, lasso_weight, ridge_weight, leading_share, chosen_by (``weight``,
-        ``loading`` or "").
+        ``loading`` or ""). Features held fixed in these rows have no
+        weight and no share (nan).
     """
     z, v = standard_scaler(x).forward(x), standard_scaler(y).forward(y)
     (lasso,) = weights("lasso", z, v, np.array([lasso_alpha]))
     (ridge,) = weights("ridge", z, v, np.array([ridge_alpha]))
-    parts = principal_components(minmax_scaler(x).forward(x) if minmax else z)
-    cumulative = np.cumsum(parts.variances) / parts.variances.sum()
+    varied = np.flatnonzero(~held_fixed(x))
+    if not len(varied):
+        # Few rows may all share the value of the only quantity of the study.
+        varied = np.array([0])
+    parts = principal_components((minmax_scaler(x).forward(x) if minmax else z)[:, varied])
+    cumulative = np.cumsum(parts.variances) / (parts.variances.sum() or 1.0)
     leading = int(np.searchsorted(cumulative, LEADING)) + 1
-    loading = parts.variances[:leading] @ parts.axes[:leading] ** 2
+    loading = np.full(x.shape[1], np.nan)
+    loading[varied] = parts.variances[:leading] @ parts.axes[:leading] ** 2
 
-    by_weight = np.argsort(-np.maximum(np.abs(lasso), np.abs(ridge)), kind="stable")
+    weight = np.maximum(np.abs(lasso), np.abs(ridge))
+    by_weight = varied[np.argsort(-weight[varied], kind="stable")]
     first = by_weight[: max(1, round(BY_WEIGHT * count))]
-    others = [column for column in np.argsort(-loading, kind="stable") if column not in first]
+    by_loading = varied[np.argsort(-loading[varied], kind="stable")]
+    others = [column for column in by_loading if column not in first]
     second = others[: count - len(first)]
     chosen_by = np.full(x.shape[1], "", dtype=object)
     chosen_by[first], chosen_by[second] = "weight", "loading"
@@ -80,9 +89,9 @@ def select(
         {
             "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
             "feature": FEATURE_NAMES,
-            "lasso_weight": lasso,
-            "ridge_weight": ridge,
-            "leading_share": loading / loading.sum(),
+            "lasso_weight": np.where(np.isnan(loading), np.nan, lasso),
+            "ridge_weight": np.where(np.isnan(loading), np.nan, ridge),
+            "leading_share": loading / (loading[varied].sum() or 1.0),
             "chosen_by": chosen_by,
         }
     )
@@ -113,7 +122,8 @@ def fit_selection(
     selection : pandas.DataFrame
         protocol and the columns of `select` (leakage-free: of the first split), ``survives`` (share
         of the selections that choose the feature; as published there is one, on all rows,
-        leakage-free one on the training rows of each split) and ``in_paper``.
+        leakage-free one on the training rows of each split; nan for features held fixed in all
+        rows), ``in_paper`` and ``variation``.
     summary : dict
         For each protocol the chosen features and how many of them are in the list of the paper.
     """
@@ -131,7 +141,14 @@ def fit_selection(
     of_first, first = of_splits[0]
     frames.append(_labelled(LEAKAGE_FREE, first, hits / repeats))
     summary[LEAKAGE_FREE] = _agreement(of_first)
-    return pd.concat(frames, ignore_index=True), {"count": count, **summary}
+    selection = pd.concat(
+        [frame.assign(variation=table.variation) for frame in frames], ignore_index=True
+    )
+    selection.loc[selection["variation"] == HELD_FIXED, "survives"] = np.nan
+    fixed = of_kind(FEATURE_NAMES, table.variation, HELD_FIXED)
+    return selection, {
+        "count": min(count, len(table.varied)), "held_fixed": fixed, **summary,
+    }  # fmt: skip
 
 
 def _labelled(protocol: str, chosen: pd.DataFrame, survives: np.ndarray) -> pd.DataFrame:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, variation
 from abradem.learning.evaluation import (
     Results,
     evaluate_as_published,
@@ -34,7 +35,7 @@ from abradem.learning.protocols import (
     repeated_splits,
 )
 from abradem.learning.rows import FEWEST_ROWS, Table, learning_table, standard_scaler
-from abradem.learning.scores import r2, scores_of
+from abradem.learning.scores import central_columns, mean_columns, r2, scores_of
 from abradem.quantities import FEATURE_NAMES, quantity
 
 TREE, FOREST = "tree", "forest"
@@ -56,7 +57,8 @@ class TreesResult:
         threshold (in the feature's unit), unit, rows, predicted (mm/s).
     importance : pandas.DataFrame
         model, protocol, symbol, feature, importance (share of the variance removed by splits on
-        the feature).
+        the feature), variation. Features that were held fixed have no importance (nan); that of
+        features that are not identified is shared among them at random.
     results : Results
     models : dict
         Description and arrays of tree and forest.
@@ -94,7 +96,7 @@ def choose_penalty(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) -> 
         [r2(y[check], grow(x[train], y[train], None, c).predict(x[check])) for c in candidates]
         for train, check in folds(len(y), fold_count, seed)
     ]
-    means = np.nan_to_num(np.nanmean(scores, axis=0), nan=-np.inf)
+    means = np.nan_to_num(mean_columns(np.array(scores)), nan=-np.inf)
     # Of equally good penalties take the one with the simplest tree.
     return float(candidates[len(means) - 1 - int(np.argmax(means[::-1]))])
 
@@ -166,7 +168,8 @@ def fit_trees(
         ),
         nodes=_nodes(arrays[TREE], tree.tree_.n_node_samples, scalers),
         importance=pd.concat(
-            [_importance(TREE, tree), _importance(FOREST, forest)], ignore_index=True
+            [_importance(TREE, tree, table), _importance(FOREST, forest, table)],
+            ignore_index=True,
         ),
         results=results,
         models={
@@ -235,9 +238,8 @@ def _leakage_free_depths(table, max_depth, test_share, repeats, confidence, seed
             for train, test in repeated_splits(table.keys, test_share, repeats, seed)
         ]
     )  # fmt: skip
-    tail = 50.0 * (1.0 - confidence)
-    lower, upper = np.percentile(found, [tail, 100.0 - tail], axis=0)
-    return _depth_rows(LEAKAGE_FREE, np.median(found, axis=0), lower, upper)
+    ends = central_columns(found.reshape(len(found), -1), confidence)
+    return _depth_rows(LEAKAGE_FREE, *(end.reshape(found.shape[1:]) for end in ends))
 
 
 def _depth_rows(protocol, found, lower=None, upper=None) -> pd.DataFrame:
@@ -296,14 +298,17 @@ def _nodes(arrays: dict, samples: np.ndarray, scalers) -> pd.DataFrame:
     )
 
 
-def _importance(model: str, fitted) -> pd.DataFrame:
+def _importance(model: str, fitted, table: Table) -> pd.DataFrame:
+    # Trees do not tell a feature from a function of it, such as damping and restitution.
+    says = variation(table.features, FEATURE_NAMES)
     return pd.DataFrame(
         {
             "model": model,
             "protocol": LEAKAGE_FREE,
             "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
             "feature": FEATURE_NAMES,
-            "importance": fitted.feature_importances_,
+            "importance": np.where(says == HELD_FIXED, np.nan, fitted.feature_importances_),
+            "variation": says,
         }
     )
 

@@ -16,14 +16,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abradem.dataset.variation import settled
 from abradem.learning.evaluation import Results
 from abradem.learning.network import Network, Training, start, train
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.models import PROCESS, fitted, makers
-from abradem.learning.physical.problem import WearProblem
+from abradem.learning.physical.problem import GROUP_SCALE, WearProblem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
-from abradem.learning.rows import constant, standard_scaler
-from abradem.learning.scores import scores_of
+from abradem.learning.rows import standard_scaler
+from abradem.learning.scores import has_spread, scores_of
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
 from abradem.surrogate.groups import GROUP_NAMES, group_matrix, wear_scale
 from abradem.surrogate.model import Surrogate
@@ -179,12 +180,13 @@ def _points(low, high, count: int, seed: int, given: WearProblem) -> np.ndarray:
     values = dict(zip(SAMPLED_NAMES, (low + unit * (high - low)).T, strict=True))
     # Without initial velocity and without fall the wear number is undefined.
     possible = wear_scale(values, given.jet) > 0.0
-    return group_matrix({name: column[possible] for name, column in values.items()}, given.jet)
+    found = group_matrix({name: column[possible] for name, column in values.items()}, given.jet)
+    return settled(found, GROUP_SCALE)
 
 
 def _trained(z: np.ndarray, target: np.ndarray, hidden, epochs: int, seed: int) -> Network:
     """A network in standardised groups whose output is the target itself."""
-    spread = 1.0 if constant(target[:, None])[0] else float(target.std())
+    spread = float(target.std()) if has_spread(target) else 1.0
     centre = float(target.mean())
     network = start(z.shape[1], tuple(hidden), seed)
     for place, (share, batch, rate) in enumerate(SCHEDULE):

@@ -23,7 +23,7 @@ import pandas as pd
 from scipy import stats
 
 from abradem.learning.physical.models import PROCESS, fitted, makers
-from abradem.learning.physical.problem import WearProblem
+from abradem.learning.physical.problem import LARGEST_LOG, WearProblem
 from abradem.learning.protocols import folds
 from abradem.surrogate.model import conformal_quantile, highest_level
 
@@ -111,7 +111,8 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[p
         for place, level in enumerate(levels):
             inside = score <= half[method][:, place]
             low, high = stats.binom.interval(BAND, n, level)
-            width = float(np.median(np.expm1(half[method][:, place] * deviation)))
+            reach = np.minimum(half[method][:, place] * deviation, LARGEST_LOG)
+            width = float(np.median(np.expm1(reach)))
             rows.append((method, level, float(inside.mean()), low / n, high / n, n, width))
     columns = ["method", "level", "coverage", "band_lower", "band_upper", "tested", "width"]
     calibration = pd.DataFrame(rows, columns=columns)

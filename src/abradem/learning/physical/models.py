@@ -7,20 +7,24 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, of_kind
 from abradem.learning.evaluation import Results
 from abradem.learning.physical.ensembles import Boosting, Networks
 from abradem.learning.physical.gaussian_process import GaussianProcess
-from abradem.learning.physical.power_law import PowerLaw
+from abradem.learning.physical.power_law import SHARES, PowerLaw
 from abradem.learning.physical.problem import WearProblem, problem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
-from abradem.learning.scores import r2, scores_of
-from abradem.quantities import WEAR_COLUMNS
+from abradem.learning.scores import central, middle_of, r2, scores_of
+from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, WEAR_COLUMNS
 from abradem.surrogate.groups import GROUP_NAMES, Jet
 
 POWER_LAW, PROCESS, BOOSTING, NETWORKS = MODELS = (
     "power_law", "gaussian_process", "boosting", "networks",
 )  # fmt: skip
 
+
+VELOCITY = "particle_velocity_y"
+"""The speed of impact varies with it alone, as all particles fall from the same height."""
 
 BEST = PROCESS
 """The model behind intervals, sensitivity and surrogate."""
@@ -98,15 +102,18 @@ def fit_physical(
     exponents : pandas.DataFrame
         See `PowerLaw.exponents`.
     summary : dict
-        ``equation``, ``equation_tex`` and ``scatter`` of the power law; ``lengths`` of the
-        process (in standard deviations of each group), its ``noise``, and ``outliers``, the cases
-        with a weight below 0.5; ``raised``, see `WearProblem`; ``scores`` of each model.
+        ``equation``, ``equation_tex`` and ``scatter`` of the power law, and the ``exponents`` of
+        the quantities; ``held_fixed`` and ``not_identified``, the sampled quantities on which the
+        rows say nothing alone; ``lengths`` of the process (in standard deviations of each group),
+        its ``noise``, and ``outliers``, the cases with a weight below 0.5; ``raised``, see
+        `WearProblem`; ``scores`` of each model.
     process : tuple of dict
         Description and arrays of the Gaussian process.
     """
     results = evaluate(given, models, test_share, repeats, seed)
     everything = np.arange(len(given.log_number))
     law = fitted(models[POWER_LAW], given, everything)
+    exponents = law.exponents(fixed_quantities(given))
     process = fitted(models[PROCESS], given, everything)
     scores = {name: scores_of(results.scores, name, LEAKAGE_FREE, confidence) for name in models}
     # If the process was fitted to a subset, its weights do not match the rows.
@@ -115,6 +122,9 @@ def fit_physical(
         "equation": law.equation(),
         "equation_tex": law.equation_tex(),
         "scatter": law.scatter,
+        "exponents": exponents[exponents["kind"] == "quantity"].to_dict("records"),
+        "held_fixed": of_kind(SAMPLED_NAMES, given.variation, HELD_FIXED),
+        "not_identified": of_kind(SAMPLED_NAMES, given.variation, NOT_IDENTIFIED),
         "lengths": dict(zip(GROUP_NAMES, process.lengths, strict=True)),
         "noise": process.noise,
         "outliers": [int(key) for key in given.table.keys[np.flatnonzero(doubted)]],
@@ -133,7 +143,18 @@ def fit_physical(
         "target": {"name": given.table.target_name, "unit": given.table.unit},
         "scores": scores[PROCESS],
     }
-    return results, law.exponents(), summary, (description, process.arrays())
+    return results, exponents, summary, (description, process.arrays())
+
+
+def fixed_quantities(given: WearProblem) -> list[str]:
+    """Quantities of the power law (`abradem.learning.physical.power_law.SHARES`) held fixed."""
+    fixed = set(of_kind(SAMPLED_NAMES, given.variation, HELD_FIXED))
+    fixed |= {
+        FEATURE_NAMES[place]
+        for place in range(len(FEATURE_NAMES))
+        if place not in given.table.varied
+    }
+    return [name for name in SHARES if (name if name in FEATURE_NAMES else VELOCITY) in fixed]
 
 
 def all_targets(
@@ -162,10 +183,9 @@ def all_targets(
     Returns
     -------
     pandas.DataFrame
-        target, model, repeats, r2 (median over the splits), r2_lower, r2_upper, r2_log (median R2
-        of ln y), raised (number of targets that were not positive).
+        target, model, repeats (splits with a defined R2), r2 (their median), r2_lower, r2_upper,
+        r2_log (median R2 of ln y), raised (number of targets that were not positive).
     """
-    tail = 50.0 * (1.0 - confidence)
     rows = []
     for target in WEAR_COLUMNS:
         if target not in dataset or not (dataset[target] > 0.0).any():
@@ -181,10 +201,8 @@ def all_targets(
                     r2(given.log_number[test] + np.log(given.scale[test]),
                        predicted + np.log(given.scale[test]))
                 )  # fmt: skip
-            low, middle, high = np.percentile(raw, [tail, 50.0, 100.0 - tail])
-            rows.append(
-                (target, name, repeats, middle, low, high, np.median(logarithmic), given.raised)
-            )
+            scored, *ends = central(raw, confidence)
+            rows.append((target, name, scored, *ends, middle_of(logarithmic), given.raised))
     columns = [
         "target", "model", "repeats", "r2", "r2_lower", "r2_upper", "r2_log", "raised",
     ]  # fmt: skip

@@ -23,11 +23,15 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from abradem.learning.scores import has_spread
+
 
 def noise_floor(
     replicates: pd.DataFrame, dataset: pd.DataFrame, confidence: float = 0.95
 ) -> tuple[pd.DataFrame, dict]:
     """Largest R2 that any model could reach on a data set.
+
+    It is undefined, nan, if the wear has no spread.
 
     Parameters
     ----------
@@ -70,6 +74,8 @@ def noise_floor(
     error = dataset["wear_total_mean_stderr"].to_numpy(dtype=float)
     share, log_share = (
         float(np.sum(noise**2) / np.sum((values - values.mean()) ** 2))
+        if has_spread(values)
+        else np.nan
         for noise, values in ((error, y), (error / y, np.log(y)))
     )
     ratio = weighted / freedom if freedom else np.nan

@@ -10,6 +10,11 @@ relative standard error of its simulation and n the residual scatter, estimated 
 law. Standard errors come from the HC3 sandwich estimator (MacKinnon and White 1985,
 J. Econometrics 29:305).
 
+Rows say nothing about a group that was held fixed, and do not tell groups apart that always vary
+together: if of all quantities the speed alone varies, Fr, L and Ca are one variable. The law is
+fitted to what varied. C then holds the effect of what was held fixed, and exponents that the rows
+do not determine are given as such, without a number (`abradem.dataset.variation`).
+
 The groups share quantities (the density is in L and Ca, the speed in Fr, L and Ca), so the
 exponents of the quantities are reported as well. They are sums of the exponents of the groups
 (`SHARES`), and their standard errors follow from the covariance of the fit.
@@ -17,10 +22,24 @@ exponents of the quantities are reported as well. They are sums of the exponents
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import (
+    HELD_FIXED,
+    NOT_IDENTIFIED,
+    VARIED,
+    held_fixed,
+    ranks,
+    row_space,
+)
 from abradem.surrogate.groups import GROUP_NAMES
+from abradem.words.numbers import UNDETERMINED, number_or_words, number_with_error
+
+_TOLERANCE = 1e-5
+"""Share of a combination of coefficients that may lie outside of what the rows determine."""
 
 ROUNDS = 5
 """Iterations in which the weights and the scatter converge."""
@@ -47,50 +66,107 @@ class PowerLaw:
     Attributes
     ----------
     coefficients : ndarray, shape (12,)
-        ln C, then those of `TERMS`.
+        ln C, then those of `TERMS`: 0 for groups held fixed, and of least norm where the rows do
+        not determine them.
     covariance : ndarray, shape (12, 12)
         HC3; nan if there are too few rows.
+    variation : tuple of str
+        For each coefficient ``varied``, ``held fixed`` or ``not identified``.
     scatter : float
         n, the residual scatter, relative.
     """
 
     def fit(self, x: np.ndarray, target: np.ndarray, error: np.ndarray) -> PowerLaw:
         """Fit to groups, target and its standard errors (n,)."""
-        design = _design(x)
+        design, onto = self._reduced(_design(x))
         self.scatter = max(float(np.std(target)), 1e-12)
         for _ in range(ROUNDS):
             weight = 1.0 / (self.scatter**2 + error**2)
             weight /= weight.max()
             root = np.sqrt(weight)[:, None]
-            # Constant groups make the system singular: take the minimum-norm solution.
             inverse = np.linalg.pinv(root * design, rcond=1e-10)
-            self.coefficients = inverse @ (root[:, 0] * target)
-            residual = target - design @ self.coefficients
+            found = inverse @ (root[:, 0] * target)
+            residual = target - design @ found
             # Moment estimate of the scatter, without the standard errors of the rows.
             spread = np.sum(weight * (residual**2 - error**2)) / np.sum(weight)
-            freedom = max(len(target) - np.linalg.matrix_rank(design), 1)
+            freedom = max(len(target) - design.shape[1], 1)
             spread *= len(target) / freedom
             self.scatter = float(np.sqrt(max(spread, 1e-8)))
         leverage = np.einsum("ij,ji->i", root * design, inverse)
-        if len(target) > len(self.coefficients) and leverage.max() < 1.0 - 1e-9:
+        if len(target) > design.shape[1] and leverage.max() < 1.0 - 1e-9:
             scaled = inverse * (root[:, 0] * residual / (1.0 - leverage))
-            self.covariance = scaled @ scaled.T
+            covariance = scaled @ scaled.T
         else:
-            self.covariance = np.full((len(self.coefficients),) * 2, np.nan)
+            covariance = np.full((design.shape[1],) * 2, np.nan)
+        if onto is None:
+            self.coefficients, self.covariance = found, covariance
+        else:
+            self.coefficients, self.covariance = onto @ found, onto @ covariance @ onto.T
+        units = np.eye(len(self.coefficients))
+        self.variation = tuple(self._says_of(unit) for unit in units)
         return self
+
+    def _reduced(self, design: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        """Design of what the rows determine, and the map from its coefficients to all of them.
+
+        The map is None if the rows determine all coefficients.
+        """
+        terms = design[:, 1:]
+        self._fixed = held_fixed(terms, 1.0)
+        kept = np.flatnonzero(~self._fixed)
+        columns = terms[:, kept]
+        self._centre, self._spread = columns.mean(axis=0), columns.std(axis=0)
+        # Groups that are functions of each other are not told apart by the curvature of the
+        # function alone. The square of the angle is meant to be told apart in this way.
+        order = np.column_stack([ranks(terms[:, :-1]), terms[:, -1]])[:, kept]
+        self._spaces = row_space(columns), row_space(order)
+        space = self._spaces[0]
+        if len(space) < len(kept):
+            z = (columns - self._centre) / self._spread
+            slopes = space.T / self._spread[:, None]
+            reduced = np.column_stack([np.ones(len(design)), z @ space.T])
+        elif len(kept) < terms.shape[1]:
+            slopes = np.eye(len(kept))
+            reduced = np.column_stack([np.ones(len(design)), columns])
+        else:
+            return design, None
+        onto = np.zeros((design.shape[1], reduced.shape[1]))
+        onto[0, 0] = 1.0
+        onto[1 + kept, 1:] = slopes
+        if len(space) < len(kept):
+            onto[0, 1:] = -self._centre @ slopes
+        return reduced, onto
+
+    def _says_of(self, along: np.ndarray) -> str:
+        """What the rows say of the sum of the coefficients with the factors ``along`` (12,)."""
+        slopes = along[1:]
+        if (slopes[self._fixed] != 0.0).any():
+            return NOT_IDENTIFIED if (slopes[~self._fixed] != 0.0).any() else HELD_FIXED
+        wanted = (slopes[~self._fixed] - along[0] * self._centre) / self._spread
+        size = np.linalg.norm(wanted)
+        for space in self._spaces:
+            if np.linalg.norm(wanted - space.T @ (space @ wanted)) > _TOLERANCE * size:
+                return NOT_IDENTIFIED
+        return VARIED
 
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Logarithm of the wear number for groups (n, 10)."""
         return _design(x) @ self.coefficients
 
-    def exponents(self) -> pd.DataFrame:
+    def exponents(self, fixed: Collection[str] = ()) -> pd.DataFrame:
         """Exponents of quantities and coefficients of groups, with standard errors.
+
+        Parameters
+        ----------
+        fixed : collection of str
+            The quantities of `SHARES` that were held fixed in the rows.
 
         Returns
         -------
         pandas.DataFrame
-            term, kind (``quantity`` or ``group``), exponent, standard_error. The exponent of a
-            quantity is that of the wear rate, the scale s included.
+            term, kind (``quantity`` or ``group``), exponent, standard_error, variation. The
+            exponent of a quantity is that of the wear rate, the scale s included. Exponents of
+            what was held fixed or is not identified are nan.
         """
         rows = []
         for name, (in_scale, shares) in SHARES.items():
@@ -98,52 +174,89 @@ class PowerLaw:
             for group, share in shares.items():
                 along[1 + group] = share
             error = float(np.sqrt(along @ self.covariance @ along)) if shares else 0.0
-            rows.append((name, "quantity", in_scale + along @ self.coefficients, error))
+            says = HELD_FIXED if name in fixed else self._says_of(along)
+            # A group may have been held fixed although the quantity varied, with others.
+            says = NOT_IDENTIFIED if says == HELD_FIXED and name not in fixed else says
+            rows.append((name, "quantity", in_scale + along @ self.coefficients, error, says))
         errors = np.sqrt(np.diag(self.covariance))
         terms = ("constant", *TERMS)
-        for name, value, error in zip(terms, self.coefficients, errors, strict=True):
-            rows.append((name, "group", value, error))
-        columns = ["term", "kind", "exponent", "standard_error"]
-        return pd.DataFrame(rows, columns=columns)
+        for name, value, error, says in zip(
+            terms, self.coefficients, errors, self.variation, strict=True
+        ):
+            rows.append((name, "group", value, error, says))
+        columns = ["term", "kind", "exponent", "standard_error", "variation"]
+        found = pd.DataFrame(rows, columns=columns)
+        found.loc[found["variation"] != VARIED, ["exponent", "standard_error"]] = np.nan
+        return found
 
     def equation(self) -> str:
-        """The law as one line of text, exponents with their standard errors."""
+        """The law as one line of text, exponents with their standard errors.
+
+        It ends with the groups that were held fixed, whose effect is in its constant, and with
+        those that the rows do not tell apart.
+        """
         return self._equation(
-            "y = W m' v^2 / (2 A) * {c} * {powers} * exp({exponential})",
+            "y = W m' v^2 / (2 A) * {c}{powers}{exponential}",
             ("Fr", "(R/H)", "L", "Ca", "(G*/E*)", "mu_s", "mu_r", "(1+e)"),
             ("cos(theta)", "phi", "phi^2"),
-            lambda base, value, error: f"{base}^({value:.3f} +- {error:.3f})",
-            lambda value, error, term: f"({value:+.3f} +- {error:.3f}) {term}",
-            " * ",
+            lambda base, shown: f"{base}^({shown})",
+            lambda shown, term: f"({shown}) {term}",
+            (" * ", " * exp({})"),
+            "+-",
         )
 
     def equation_tex(self) -> str:
-        """The law as LaTeX."""
+        """The law as LaTeX; likewise."""
         return self._equation(
-            r"\dot h = \frac{{W \dot m v^2}}{{2A}}\, {c}\, {powers}\,"
-            r" \exp\left[{exponential}\right]",
+            r"\dot h = \frac{{W \dot m v^2}}{{2A}}\, {c}{powers}{exponential}",
             ("Fr", "(R/H)", "L", "Ca", "(G^*/E^*)", r"\mu_s", r"\mu_r", "(1+e)"),
             (r"\cos\theta", r"\varphi", r"\varphi^2"),
-            lambda base, value, error: f"{base}^{{{value:.3f} \\pm {error:.3f}}}",
-            lambda value, error, term: f"({value:+.3f} \\pm {error:.3f})\\,{term}",
-            r"\, ",
+            lambda base, shown: f"{base}^{{{shown}}}",
+            lambda shown, term: rf"({shown})\,{term}",
+            (r"\, ", r"\, \exp\left[{}\right]"),
+            r"\pm",
+            lambda words: rf"\quad\text{{{words}}}",
+            lambda terms: ", ".join(f"${term}$" for term in terms),
         )
 
-    def _equation(self, pattern, bases, terms, power, summand, between) -> str:
+    def _equation(
+        self, pattern, bases, terms, power, summand, between, sign,
+        aside=lambda words: f"; {words}", listed=", ".join,
+    ) -> str:  # fmt: skip
         values, errors = self.coefficients, np.sqrt(np.diag(self.covariance))
         count = len(bases)
-        powers = [
-            power(base, value, error)
-            for base, value, error in zip(
-                bases, values[1 : count + 1], errors[1 : count + 1], strict=True
-            )
-        ]
         # cos theta is the last group, and the plate angle the one before it.
-        order = (count + 2, count + 1, count + 3)
-        sums = [summand(values[k], errors[k], term) for k, term in zip(order, terms, strict=True)]
-        return pattern.format(
-            c=f"{np.exp(values[0]):.3g}", powers=between.join(powers), exponential=" ".join(sums)
+        order = (*range(1, count + 1), count + 2, count + 1, count + 3)
+        names = dict(zip(order, (*bases, *terms), strict=True))
+
+        def shown(place: int, form: str) -> str:
+            return number_with_error(values[place], errors[place], form, sign)
+
+        varied = [place for place in order if self.variation[place] == VARIED]
+        powers = [power(names[k], shown(k, ".3f")) for k in varied if k <= count]
+        sums = [summand(shown(k, "+.3f"), names[k]) for k in varied if k > count]
+        said = pattern.format(
+            c=number_or_words(factor_of(values[0]), ".3g") if self.variation[0] == VARIED else "C",
+            powers="".join(between[0] + one for one in powers),
+            exponential=between[1].format(" ".join(sums)) if sums else "",
         )
+        if self.variation[0] != VARIED:
+            said += aside(f"C is {UNDETERMINED}")
+        if not np.isfinite(errors).all():
+            said += aside("standard errors are not determined, the rows are too few")
+        for kind, words in (
+            (HELD_FIXED, "held fixed, their effect is in the constant: "),
+            (NOT_IDENTIFIED, "not identified, as the rows do not tell them apart: "),
+        ):
+            found = [names[k] for k in order if self.variation[k] == kind]
+            if found:
+                said += aside(words + listed(found))
+        return said
+
+
+def factor_of(logarithm: float) -> float:
+    """The factor C from its logarithm, without overflow."""
+    return float(np.exp(min(logarithm, 700.0)))
 
 
 def _design(x: np.ndarray) -> np.ndarray:

@@ -21,12 +21,19 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import scales_of, settled, variation
 from abradem.learning.rows import Table, learning_table
 from abradem.quantities import SAMPLED_NAMES
 from abradem.surrogate.groups import Jet, group_matrix, wear_scale
 
 STDERR = "wear_total_mean_stderr"
 HEADLINE = "wear_total_mean"
+
+GROUP_SCALE = 1.0
+"""Groups are logarithms, an angle in rad or a cosine, so their differences count absolutely."""
+
+LARGEST_LOG = 600.0
+"""Largest logarithm of a wear number; beyond it a prediction would overflow."""
 
 
 class WearProblem(NamedTuple):
@@ -37,9 +44,10 @@ class WearProblem(NamedTuple):
     table : Table
         Features and target.
     inputs : ndarray, shape (n, 14)
-        The sampled quantities in the units of `abradem.quantities`.
+        The sampled quantities in the units of `abradem.quantities`, free of float noise where
+        they were held fixed.
     groups : ndarray, shape (n, 10)
-        The dimensionless groups.
+        The dimensionless groups, likewise.
     scale : ndarray, shape (n,)
         Scale of the wear depth rate, mm/s.
     log_number : ndarray, shape (n,)
@@ -63,7 +71,12 @@ class WearProblem(NamedTuple):
 
     def wear(self, rows: np.ndarray, log_number: np.ndarray) -> np.ndarray:
         """Wear depth rate (n,), mm/s, of rows (n,) with a logarithm of the wear number (n,)."""
-        return self.scale[rows] * np.exp(log_number)
+        return self.scale[rows] * np.exp(np.minimum(log_number, LARGEST_LOG))
+
+    @property
+    def variation(self) -> np.ndarray:
+        """What the rows say about each sampled quantity, see `abradem.dataset.variation`."""
+        return variation(self.inputs, SAMPLED_NAMES)
 
 
 def problem(
@@ -91,7 +104,9 @@ def problem(
     """
     table = learning_table(dataset, target, name, fewest)
     rows = dataset.sort_values("case_id", ignore_index=True)
-    columns = {key: rows[key].to_numpy(dtype=float) for key in SAMPLED_NAMES}
+    sampled = np.column_stack([rows[key].to_numpy(dtype=float) for key in SAMPLED_NAMES])
+    sampled = settled(sampled, scales_of(SAMPLED_NAMES))
+    columns = {key: sampled[:, place].copy() for place, key in enumerate(SAMPLED_NAMES)}
     scale = wear_scale(columns, jet)
     number = table.target / scale
     positive = number > 0.0
@@ -105,8 +120,8 @@ def problem(
         error = np.where(np.isfinite(error), error, np.nanmax(error, initial=0.0))
     return WearProblem(
         table,
-        np.column_stack([columns[key] for key in SAMPLED_NAMES]),
-        group_matrix(columns, jet),
+        sampled,
+        settled(group_matrix(columns, jet), GROUP_SCALE),
         scale,
         np.log(number),
         error,

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, of_kind
 from abradem.learning.physical.intervals import held_out_scores
 from abradem.learning.physical.models import PROCESS, fitted
 from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import folds, repeated_splits
-from abradem.learning.scores import r2, score
+from abradem.learning.scores import central, r2, score
 from abradem.quantities import SAMPLED_NAMES
 from abradem.surrogate.model import conformal_quantile, highest_level
 
@@ -76,11 +77,11 @@ def learning_curve(
     Returns
     -------
     pandas.DataFrame
-        model, trained (number of rows), repeats, r2 (median over the splits), r2_lower, r2_upper.
+        model, trained (number of rows), repeats (splits with a defined R2), r2 (their median),
+        r2_lower, r2_upper.
     """
     y = given.table.target
     splits = list(repeated_splits(given.table.keys, test_share, repeats, seed))
-    tail = 50.0 * (1.0 - confidence)
     rows = []
     for name, make in models.items():
         for size in sizes(len(splits[0][0])):
@@ -89,8 +90,7 @@ def learning_curve(
                 kept = np.random.default_rng([seed, repeat, 1]).permutation(train)[:size]
                 model = fitted(make, given, np.sort(kept))
                 found.append(r2(y[test], given.wear(test, model.predict(given.groups[test]))))
-            low, middle, high = np.percentile(found, [tail, 50.0, 100.0 - tail])
-            rows.append((name, size, repeats, middle, low, high))
+            rows.append((name, size, *central(found, confidence)))
     return pd.DataFrame(rows, columns=["model", "trained", "repeats", "r2", "r2_lower", "r2_upper"])
 
 
@@ -111,14 +111,17 @@ def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) 
     -------
     pandas.DataFrame
         test, words, model, trained, tested (numbers of rows), r2, mape, coverage (of the 95 %
-        intervals of the Gaussian process; nan for other models, and where too few rows
-        can promise that level), within_r2, within_mape (by
-        cross-validation). Tests with too few rows are left out.
+        intervals of the Gaussian process; nan for other models, and where too few rows can promise
+        that level), within_r2, within_mape (by cross-validation). Tests of a quantity that was
+        held fixed, or with too few rows, are left out.
     """
     y = given.table.target
     everything = np.arange(len(y))
+    fixed = of_kind(SAMPLED_NAMES, given.variation, HELD_FIXED)
     rows = []
     for test in TESTS:
+        if test.quantity in fixed:
+            continue
         column = given.inputs[:, SAMPLED_NAMES.index(test.quantity)]
         outside = test.outside(column)
         held, train = everything[outside], everything[~outside]

@@ -12,6 +12,9 @@ shuffled among them (Breiman 2001, Machine Learning 45:5).
 
 *Partial dependence* is the geometric mean of the predicted wear over the cases, with one quantity
 set to the same value in all of them (after Friedman 2001, Ann. Stat. 29:1189).
+
+None of them says anything about a quantity that was held fixed, or of one of several that always
+varied together; see `abradem.dataset.variation`.
 """
 
 from __future__ import annotations
@@ -23,11 +26,13 @@ from contextlib import contextmanager
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED, held_fixed, of_kind
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.models import PROCESS, fitted, makers
-from abradem.learning.physical.problem import WearProblem
+from abradem.learning.physical.problem import LARGEST_LOG, WearProblem
 from abradem.learning.protocols import repeated_splits
-from abradem.learning.scores import r2
+from abradem.learning.rows import HUGE
+from abradem.learning.scores import mean_columns, r2
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
 from abradem.surrogate.groups import group_matrix, wear_scale
 
@@ -43,7 +48,8 @@ MOST_ROWS = 300
 def predicted_wear(process: GaussianProcess, given: WearProblem, inputs: np.ndarray) -> np.ndarray:
     """Predicted wear depth rate (n,), mm/s, for sampled quantities (n, 14)."""
     values = dict(zip(SAMPLED_NAMES, inputs.T, strict=True))
-    return wear_scale(values, given.jet) * np.exp(process.predict(group_matrix(values, given.jet)))
+    number = process.predict(group_matrix(values, given.jet))
+    return wear_scale(values, given.jet) * np.exp(np.minimum(number, LARGEST_LOG))
 
 
 @contextmanager
@@ -84,45 +90,63 @@ def sobol(
     -------
     pandas.DataFrame
         explained (``wear`` or ``log wear``), feature, first, first_lower, first_upper, total,
-        total_lower, total_upper. Quantities that do not vary have index 0.
+        total_lower, total_upper, variation. Quantities that were held fixed have no index (nan),
+        and there are none at all if the predicted wear does not vary. Those of quantities that
+        are not identified follow from the model alone.
     """
-    from scipy import stats
-
     low, high = given.inputs.min(axis=0), given.inputs.max(axis=0)
-    varies = np.flatnonzero(high > low)
+    says = given.variation
+    varies = np.flatnonzero(says != HELD_FIXED)
+    largest = float(given.table.target.max())
+    # Squares of huge wear overflow; the indices do not depend on its unit.
+    unit = largest if largest > HUGE else 1.0
+    spread_of: list[np.ndarray] = []
 
     def function(x: np.ndarray) -> np.ndarray:
         inputs = np.tile(low, (x.shape[1], 1))
         inputs[:, varies] = x.T
-        wear = predicted_wear(process, given, inputs)
-        return np.stack([wear, np.log(wear)])
+        wear = predicted_wear(process, given, inputs) / unit
+        found = np.stack([wear, np.log(wear)])
+        spread_of.append(~held_fixed(found.T, np.array([0.0, 1.0])))
+        return found
 
-    found = stats.sobol_indices(
-        func=function,
-        n=points,
-        dists=[stats.uniform(low[k], high[k] - low[k]) for k in varies],
-        rng=np.random.default_rng(seed),
-    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Without variance the indices are undefined.
+        found = _sobol_indices(function, points, low, high, varies, seed)
+    defined = np.any(spread_of, axis=0)
     with warnings.catch_warnings(), _global_seed(seed):
         # The bootstrap warns about quantities without effect, whose indices do not vary.
         warnings.simplefilter("ignore")
         spread = found.bootstrap(confidence_level=confidence, n_resamples=resamples)
     rows = []
     for place, explained in enumerate(("wear", "log wear")):
-        numbers = np.zeros((len(SAMPLED_NAMES), 6))
+        numbers = np.full((len(SAMPLED_NAMES), 6), np.nan)
         for column, (index, interval) in enumerate(
             ((found.first_order, spread.first_order), (found.total_order, spread.total_order))
         ):
+            if not defined[place]:
+                continue
             ends = interval.confidence_interval
             for shift, values in enumerate((index, ends.low, ends.high)):
                 found_here = np.where(np.isfinite(values[place]), values[place], index[place])
                 numbers[varies, 3 * column + shift] = found_here
-        rows += [(explained, name, *numbers[k]) for k, name in enumerate(SAMPLED_NAMES)]
+        rows += [(explained, name, *numbers[k], says[k]) for k, name in enumerate(SAMPLED_NAMES)]
     columns = [
         "explained", "feature", "first", "first_lower", "first_upper", "total", "total_lower",
-        "total_upper",
+        "total_upper", "variation",
     ]  # fmt: skip
     return pd.DataFrame(rows, columns=columns)
+
+
+def _sobol_indices(function, points: int, low, high, varies, seed: int):
+    from scipy import stats
+
+    return stats.sobol_indices(
+        func=function,
+        n=points,
+        dists=[stats.uniform(low[k], high[k] - low[k]) for k in varies],
+        rng=np.random.default_rng(seed),
+    )
 
 
 def permutation(
@@ -140,10 +164,13 @@ def permutation(
     -------
     pandas.DataFrame
         feature, fall (of R2, mean over splits and shuffles), fall_lower, fall_upper (smallest and
-        largest of the splits).
+        largest of the splits), variation. They are nan for quantities that were held fixed, and
+        where R2 is undefined.
     """
     make = makers(seed)[PROCESS]
+    says = given.variation
     falls = np.zeros((repeats, len(SAMPLED_NAMES)))
+    falls[:, says == HELD_FIXED] = np.nan
     splits = repeated_splits(given.table.keys, test_share, repeats, seed)
     for repeat, (train, test) in enumerate(splits):
         process = fitted(make, given, train)
@@ -151,6 +178,7 @@ def permutation(
         whole = r2(y, predicted_wear(process, given, inputs))
         rng = np.random.default_rng([seed, repeat])
         for column in range(len(SAMPLED_NAMES)):
+            # Every quantity takes its draws, so that those of the others do not depend on it.
             for _ in range(PERMUTATIONS):
                 shuffled = inputs.copy()
                 shuffled[:, column] = rng.permutation(inputs[:, column])
@@ -159,11 +187,16 @@ def permutation(
     return pd.DataFrame(
         {
             "feature": SAMPLED_NAMES,
-            "fall": falls.mean(axis=0),
-            "fall_lower": falls.min(axis=0),
-            "fall_upper": falls.max(axis=0),
+            "fall": mean_columns(falls),
+            "fall_lower": _end_of(falls, np.inf).min(axis=0),
+            "fall_upper": _end_of(falls, -np.inf).max(axis=0),
+            "variation": says,
         }
-    )
+    ).replace([np.inf, -np.inf], np.nan)
+
+
+def _end_of(falls: np.ndarray, instead: float) -> np.ndarray:
+    return np.where(np.isfinite(falls), falls, instead)
 
 
 def partial_dependence(process: GaussianProcess, given: WearProblem, seed: int = 0) -> pd.DataFrame:
@@ -179,12 +212,14 @@ def partial_dependence(process: GaussianProcess, given: WearProblem, seed: int =
     Returns
     -------
     pandas.DataFrame
-        feature, setting (in the quantity's unit), predicted (mm/s).
+        feature, setting (in the quantity's unit), predicted (mm/s), of quantities that varied.
     """
     count = len(given.inputs)
     kept = np.random.default_rng(seed).permutation(count)[:MOST_ROWS]
     rows = []
-    for column, row in enumerate(SAMPLED):
+    for column, (row, says) in enumerate(zip(SAMPLED, given.variation, strict=True)):
+        if says == HELD_FIXED:
+            continue
         values = given.inputs[:, column]
         for setting in np.linspace(values.min(), values.max(), GRID):
             inputs = given.inputs[kept].copy()
@@ -205,17 +240,24 @@ def verdict(indices: pd.DataFrame) -> dict:
     Returns
     -------
     dict
-        ``dominant`` (the four largest total indices of the wear), ``paper`` (the four named in
-        the paper), ``shared``, ``agrees`` (whether they are the same), ``hardly_any_effect``
-        (total index of the log wear below 0.01).
+        ``dominant`` (the largest total indices of the wear, at most four), ``paper`` (the four
+        named in the paper), ``shared``, ``agrees`` (whether they are the same; None if not all of
+        the paper's were varied and identified), ``hardly_any_effect`` (total index of the log wear
+        below 0.01), ``held_fixed``, ``not_identified``. Only quantities that varied independently
+        are ranked.
     """
-    wear = indices[indices["explained"] == "wear"].sort_values("total", ascending=False)
-    logarithm = indices[indices["explained"] == "log wear"]
+    ranked = indices[(indices["variation"] == VARIED) & indices["total"].notna()]
+    wear = ranked[ranked["explained"] == "wear"].sort_values("total", ascending=False)
+    logarithm = ranked[ranked["explained"] == "log wear"]
     dominant = list(wear["feature"][: len(PAPER)])
+    says = indices.drop_duplicates("feature")
+    told = set(PAPER) <= set(wear["feature"])
     return {
         "dominant": dominant,
         "paper": list(PAPER),
         "shared": [name for name in dominant if name in PAPER],
-        "agrees": set(dominant) == set(PAPER),
+        "agrees": set(dominant) == set(PAPER) if told else None,
         "hardly_any_effect": list(logarithm.loc[logarithm["total"] < 0.01, "feature"]),
+        "held_fixed": of_kind(says["feature"], says["variation"], HELD_FIXED),
+        "not_identified": of_kind(says["feature"], says["variation"], NOT_IDENTIFIED),
     }
