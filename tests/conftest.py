@@ -30,6 +30,7 @@ SLOW = (
     "learning/baselines/test_regressions.py",
     "learning/physical/test_models.py",
     "learning/test_protocols.py",
+    "report/test_small_studies.py",
     # Hundreds of mutated files.
     "test_fuzz.py",
 )
