@@ -19,6 +19,8 @@ SLOW = (
     "dem/test_jet.py",
     "dem/test_mutations.py",
     "dem/test_spheres_and_plate.py",
+    # The command, again and again.
+    "running/test_environment.py",
     "simulation/test_resources.py",
     "verification",
     # A search over set-ups.

@@ -114,6 +114,23 @@ def test_snapshots_are_those_of_the_same_case(study, simulated, monkeypatch, giv
     assert written == [(*simulated[0], Path("s.parquet"), interval)]
 
 
+def test_outputs_that_cannot_be_written_are_named_before_the_simulation(
+    study, simulated, tmp_path, capsys
+):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "link").symlink_to("/nonexistent/folder")
+    given = ["--series", str(tmp_path / "file" / "s.parquet"), "--snapshots"]
+    assert (
+        main(["simulate", "--study", str(study), "--case", "3", *given, str(tmp_path / "link")])
+        == 2
+    )
+    assert capsys.readouterr().err.splitlines() == [
+        f"{tmp_path / 'file'}: is a file, where a folder must be",
+        f"{tmp_path / 'link'}: is a link to /nonexistent/folder, which does not exist",
+    ]
+    assert simulated == []
+
+
 def test_rejected_case_says_why_and_is_not_simulated(study, simulated, capsys):
     assert main(["simulate", "--study", str(study), "--case", "8"]) == 1
     assert capsys.readouterr().out == ("case 8: rejected: too soft for this speed, 0 s simulated\n")

@@ -40,3 +40,27 @@ def test_damaged_arrays_are_one_line(tmp_path, content):
     assert len(str(error.value).splitlines()) == 1
     with pytest.raises(files.TableError, match="no such file"):
         files.read_arrays(tmp_path / "none.safetensors")
+
+
+def test_a_folder_that_can_be_written_is_no_problem_and_keeps_no_trace(tmp_path):
+    assert files.why_not_written(tmp_path / "new" / "deeper") == ""
+    assert files.why_not_written(tmp_path) == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("below", "reason"),
+    [
+        ("file", "file: is a file, where a folder must be"),
+        ("file/deeper", "file: is a file, where a folder must be"),
+        ("dangling/deeper", "dangling: is a link to nowhere, which does not exist"),
+        ("loop", "loop: is a link to loop, which does not exist"),
+        ("system/deeper", "system: cannot be written: "),
+    ],
+)
+def test_why_a_folder_cannot_be_written_is_one_line(tmp_path, below, reason):
+    (tmp_path / "file").write_text("")
+    for name, target in {"dangling": "nowhere", "loop": "loop", "system": "/proc"}.items():
+        (tmp_path / name).symlink_to(target)
+    found = files.why_not_written(tmp_path / below)
+    assert found.startswith(f"{tmp_path}/{reason}") and len(found.splitlines()) == 1

@@ -214,6 +214,7 @@ def test_the_pages_of_the_report_show_names_of_files_as_they_are(page, text):
 
     resolved = Config.model_validate({"study": "my_study_", "dataset": {"external": text}})
     snakemake = {
+        "params": {"repeated": "2 rows repeat the quantities of another (rows 1+2)"},
         "config": {
             "study": "my_study_",
             "summary": escaping.data_for_rst({**SUMMARY, "external": text, "misprints": [text]}),
@@ -223,7 +224,7 @@ def test_the_pages_of_the_report_show_names_of_files_as_they_are(page, text):
                 [{"rule": "ga_ann_", "jobs": 1, "seconds": 1.0, "longest": 1.0}]
             ),
             "verification": {},
-        }
+        },
     }
     template = (ROOT / "workflow" / "report" / f"{page}.rst").read_text(encoding="utf-8")
     environment = jinja2.Environment(trim_blocks=True, lstrip_blocks=True)

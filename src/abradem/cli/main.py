@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import abradem
+from abradem.cli.arguments import joined
 from abradem.store.errors import memory_problem, too_small_limit
 
 DESCRIPTION = "Wear data sets, models and figures from ranges of materials and geometry."
@@ -46,11 +47,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(line, file=sys.stderr)
         return NO_MEMORY
     try:
-        from abradem.cli.given_values import joined
+        options = _parser().parse_args(joined(arguments))
         from abradem.running.environment import force_environment
 
         force_environment()
-        options = _parser().parse_args(joined(arguments))
         return options.run(options)
     except Exception as error:
         if line := memory_problem(error):

@@ -17,9 +17,12 @@ from abradem.cli.given_values import (
     value_text,
 )
 from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
+from abradem.learning.number_text import number_or_words
 from abradem.quantities import SAMPLED
 from abradem.surrogate.model import Prediction, PredictionError, Surrogate
 from abradem.words.labels import LABELS, wear_words
+
+NO_END = "any number of"
 
 EPILOG = """\
 quantities (unit, range of the paper, meaning):
@@ -136,12 +139,13 @@ def _predict_case(
         print(f"from the preset {presets[0][1]}: {values}", file=sys.stderr)
     print(
         f"wear depth rate {rate:.4g} {unit}, {level_text(prediction, surrogate)} interval "
-        f"{low:.4g} to {high:.4g} {unit} ({name}: {wear_words(name)})"
+        f"{low:.4g} to {number_or_words(high, '.4g', NO_END)} {unit} ({name}: {wear_words(name)})"
     )
     if depth is not None:
         middle, least, most = (float(column[0]) for column in prediction.hours_to(depth))
         print(
-            f"{depth:g} mm after {middle:.4g} h, {least:.4g} to {most:.4g} h "
+            f"{depth:g} mm after {middle:.4g} h, {least:.4g} to "
+            f"{number_or_words(most, '.4g', NO_END)} h "
             f"({depth_words(surrogate)})"
         )
 

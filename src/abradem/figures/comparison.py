@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from abradem.figures import style
+from abradem.learning.number_text import score_number
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 from abradem.words.labels import MODELS, PROTOCOLS
-from abradem.words.numbers import score_number
 
 LOWEST = -1.0
 SPLITS, FIXED = "repeated splits", "fixed split"

@@ -9,8 +9,8 @@ from matplotlib.ticker import MultipleLocator
 
 from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
 from abradem.figures import style
+from abradem.learning.number_text import is_number, score_number, score_range
 from abradem.words.labels import LABELS, PROTOCOLS, WEAR_WORDS
-from abradem.words.numbers import is_number, score_number, score_range
 
 LOG_SPAN = 30.0
 """Ratio of largest to smallest value above which axes are logarithmic."""

@@ -12,10 +12,10 @@ from matplotlib.lines import Line2D
 
 from abradem.dataset.variation import NOT_IDENTIFIED, VARIED
 from abradem.figures import style
+from abradem.learning.number_text import UNDETERMINED, number_or_words, percentage, score_number
 from abradem.learning.physical.power_law import factor_of
 from abradem.learning.protocols import LEAKAGE_FREE
 from abradem.words.labels import GROUP_LABELS, LABELS, MODELS, Label
-from abradem.words.numbers import UNDETERMINED, number_or_words, percentage, score_number
 
 SHOWN_OTHERS = ("linear", "ridge", "tree", "forest", "ga_ann")
 LEAST = 1e-4

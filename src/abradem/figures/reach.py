@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from abradem.figures import style
+from abradem.learning.number_text import percentage, score_number
 from abradem.quantities import STATISTICS, WEAR_MEASURES
 from abradem.words.labels import MODELS
-from abradem.words.numbers import percentage, score_number
 
 _KEYS = ("r2", "within_r2")
 

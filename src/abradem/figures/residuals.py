@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from abradem.figures import style
-from abradem.words.numbers import UNDETERMINED, is_number
+from abradem.learning.number_text import UNDETERMINED, is_number
 
 HIGH_INFLATION = 10.0
 """Variance inflation factors above this value are commonly called high."""

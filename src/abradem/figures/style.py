@@ -21,11 +21,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
+from abradem.learning.number_text import LARGEST, is_number, number_or_words
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 from abradem.quantities import quantity
 from abradem.store.files import replacing
 from abradem.words.labels import LABELS, feature_label
-from abradem.words.numbers import LARGEST, is_number, number_or_words
 
 if TYPE_CHECKING:
     import pandas as pd

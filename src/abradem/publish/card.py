@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from abradem.dataset.variation import HELD_FIXED, held_fixed
+from abradem.learning.number_text import number_or_words, percentage, score_number, score_range
 from abradem.publish.description import (
     LICENCE,
     LICENCE_NAME,
@@ -18,7 +19,6 @@ from abradem.publish.description import (
 from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED
 from abradem.words.escaping import for_markdown
 from abradem.words.labels import LABELS
-from abradem.words.numbers import number_or_words, percentage, score_number, score_range
 
 STEP_BIAS = {
     0.15: "total by at most 0.9 %, sliding by 1.1 %, friction by 0.5 %",

@@ -7,11 +7,7 @@ from collections.abc import Collection, Mapping
 import pandas as pd
 
 from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
-from abradem.learning.physical.models import BEST
-from abradem.learning.physical.reach import TESTS
-from abradem.words.escaping import for_html
-from abradem.words.labels import LABELS
-from abradem.words.numbers import (
+from abradem.learning.number_text import (
     is_number,
     number_or_words,
     number_with_error,
@@ -19,6 +15,10 @@ from abradem.words.numbers import (
     score_number,
     score_range,
 )
+from abradem.learning.physical.models import BEST
+from abradem.learning.physical.reach import TESTS
+from abradem.words.escaping import for_html
+from abradem.words.labels import LABELS
 
 NAMES = {
     "power_law": "power law",

@@ -24,10 +24,10 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset.variation import HELD_FIXED, held_fixed, scales_of
+from abradem.learning.number_text import LARGEST, LOWEST_SCORE, UNDETERMINED, is_number
 from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED, quantity
 from abradem.words.escaping import for_latex
 from abradem.words.labels import LABELS
-from abradem.words.numbers import LARGEST, LOWEST_SCORE, UNDETERMINED, is_number
 
 MISSING = "--"
 """Printed where there is no such number, such as a score that the paper does not state."""
@@ -170,7 +170,7 @@ def printed(value, form: str) -> str:
         ``d`` for integers, ``2f`` for two decimals, ``2r`` for R2 with two decimals, ``3s`` for
         three significant digits, ``3g`` for three significant digits without trailing zeros,
         ``text`` for text. Large and small numbers are printed with a power of ten; of those that
-        no result can have only the bound is printed, see `abradem.words.numbers`.
+        no result can have only the bound is printed, see `abradem.learning.number_text`.
     """
     if isinstance(value, (list, tuple)):
         return "-".join(printed(item, form) for item in value)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from abradem.words.numbers import LARGEST
+from abradem.learning.number_text import LARGEST
 
 if TYPE_CHECKING:
     import pandas as pd

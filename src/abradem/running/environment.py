@@ -14,8 +14,6 @@ import sys
 import warnings
 from pathlib import Path
 
-from abradem.store.files import why_not_written
-
 FORCED: dict[str, str | None] = {
     "MPLBACKEND": "agg",  # of a notebook: the module of its backend is not in this environment
     "MATPLOTLIBRC": None,  # figures have a style of their own
@@ -58,6 +56,9 @@ def environment_problems(home: Path, python: str = sys.executable) -> list[str]:
     python : str
         The Python that runs its scripts.
     """
+    # Imported here, as the command needs `force_environment` alone and starts fast.
+    from abradem.store.files import why_not_written
+
     problems = []
     if re.search(r"""[\s"'$`\\&;|<>()*?\[\]{}!]""", python):
         problems.append(

@@ -85,9 +85,11 @@ class Prediction(NamedTuple):
         """
         if not (depth > 0.0 and np.isfinite(depth)):
             raise PredictionError(f"depth = {depth!r} mm must be a positive number")
-        median, least, most = (
-            depth / rate / SECONDS_PER_HOUR for rate in (self.rate, self.upper, self.lower)
-        )
+        # A rate without an upper end is a time without a lower one, and the reverse.
+        with np.errstate(divide="ignore", over="ignore"):
+            median, least, most = (
+                depth / rate / SECONDS_PER_HOUR for rate in (self.rate, self.upper, self.lower)
+            )
         return median, least, most
 
 
@@ -228,7 +230,9 @@ class Surrogate:
                 f"the surrogate gives a wear depth rate of {rate[place]:g} mm/s{where}: the values "
                 "are too far from those that it was trained with, or it is damaged"
             )
-        return Prediction(rate, rate / ratio, rate * ratio, confidence, self._outside(columns))
+        with np.errstate(over="ignore"):
+            lower, upper = rate / ratio, rate * ratio
+        return Prediction(rate, lower, upper, confidence, self._outside(columns))
 
     def _factor(self, confidence: float) -> float:
         """Half width of the interval in standard deviations, a quantile of held-out errors."""

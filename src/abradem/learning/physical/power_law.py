@@ -35,8 +35,8 @@ from abradem.dataset.variation import (
     ranks,
     row_space,
 )
+from abradem.learning.number_text import UNDETERMINED, number_or_words, number_with_error
 from abradem.surrogate.groups import GROUP_NAMES
-from abradem.words.numbers import UNDETERMINED, number_or_words, number_with_error
 
 _TOLERANCE = 1e-5
 """Share of a combination of coefficients that may lie outside of what the rows determine."""

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from abradem.words.numbers import (
+from abradem.learning.number_text import (
     number_or_words,
     number_with_error,
     percentage,
