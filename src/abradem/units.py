@@ -241,9 +241,18 @@ def parse_value(name: str, text: str) -> float:
         raise ValueError(f"{name} = {text!r} {error}") from None
 
 
+def accepted(wanted: str) -> tuple[str, ...]:
+    """Return the units that messages name for a unit of this package."""
+    if wanted in ACCEPTED:
+        return ACCEPTED[wanted]
+    powers = parse_unit(wanted).powers
+    same = (units for unit, units in ACCEPTED.items() if parse_unit(unit).powers == powers)
+    return next(same, (wanted,))
+
+
 def accepted_text(wanted: str) -> str:
     """Return the units that messages name for a unit of this package."""
-    units = ACCEPTED.get(wanted, (wanted,))
+    units = accepted(wanted)
     return f"allowed {', '.join(units)}" if units else "allowed none, it is a pure number"
 
 
@@ -261,9 +270,9 @@ def _conversion(text: str, wanted: str) -> Fraction:
 
 
 def _similar(text: str, wanted: str) -> str:
-    accepted = ACCEPTED.get(wanted, ())
-    same = [unit for unit in accepted if unit.lower() == text.strip().lower()]
-    return (same or difflib.get_close_matches(text, accepted, n=1, cutoff=0.75) or [""])[0]
+    units = accepted(wanted)
+    same = [unit for unit in units if unit.lower() == text.strip().lower()]
+    return (same or difflib.get_close_matches(text, units, n=1, cutoff=0.75) or [""])[0]
 
 
 def _plain(text: str) -> str:

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from abradem.config.materials import PARTICLE_MATERIALS, preset
+from abradem.config.materials import PARTICLE_MATERIALS, material_name, preset
 from abradem.quantities import SAMPLED_NAMES, quantity
 from abradem.surrogate.model import PredictionError
 from abradem.units import parse_quantity, parse_value
@@ -60,8 +60,9 @@ def given_values(texts: Sequence[str], material: str | None) -> Given:
     values: dict[str, float] = {}
     origins: dict[str, str] = {}
     if material is not None:
-        values |= preset(material_name(material))
-        origins |= dict.fromkeys(values, material_name(material))
+        particle = _particle_material(material)
+        values |= preset(particle)
+        origins |= dict.fromkeys(values, particle)
     problems, unknown, seen = [], [], set()
     for text in _assignments(texts):
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -110,12 +111,12 @@ def _unknown(names: Sequence[str]) -> str:
     return f"{', '.join(shown)}: {plural}{known}"
 
 
-def material_name(text: str) -> str:
-    """Return the name of a preset, whatever case and separator; raise if there is none."""
-    plain = text.strip().lower().replace("-", "_").replace(" ", "_")
-    if plain in PARTICLE_MATERIALS:
-        return plain
-    close = difflib.get_close_matches(plain, PARTICLE_MATERIALS, 1, _ALIKE)
+def _particle_material(text: str) -> str:
+    """Return the name of a preset of particles; raise if there is none."""
+    name = material_name(text)
+    if name in PARTICLE_MATERIALS:
+        return name
+    close = difflib.get_close_matches(text.lower(), PARTICLE_MATERIALS, 1, _ALIKE)
     hint = f", did you mean {close[0]}?" if close else ""
     raise PredictionError(
         f"--material {text}: no such preset{hint} (allowed {', '.join(sorted(PARTICLE_MATERIALS))})"

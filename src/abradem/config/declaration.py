@@ -15,12 +15,15 @@ from pydantic import (
     ConfigDict,
     Field,
     PlainValidator,
+    ValidationInfo,
     WithJsonSchema,
     create_model,
+    field_validator,
 )
 
 from abradem import quantities
 from abradem.config.batches import batches_of_block
+from abradem.config.quantity_texts import of_material, read_quantity
 from abradem.config.scalars import number_meant, written, yaml_float
 from abradem.quantities import SAMPLED, STATISTICS, WEAR_MEASURES, Quantity
 from abradem.words.labels import LABELS
@@ -71,6 +74,14 @@ class Section(BaseModel):
     # Strict: a number in quotes is a mistake, and true is not 1.
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
+    @field_validator("*", mode="before")
+    @classmethod
+    def _read_units(cls, value: Any, info: ValidationInfo) -> Any:
+        """Read "2 cm" as a number in the unit of its key."""
+        extra = cls.model_fields[str(info.field_name)].json_schema_extra
+        unit = extra.get("unit", "") if isinstance(extra, dict) else ""
+        return read_quantity(value, str(unit))
+
 
 def _key(default: Any, description: str, *, unit: str = "", allowed: str = "", **bounds) -> Any:
     """Return a field with its help text, its unit and, if bounds do not suffice, its limits."""
@@ -87,6 +98,11 @@ def _range_field(row: Quantity) -> tuple[Any, Any]:
         bounds = value if isinstance(value, (list, tuple)) else [value, value]
         if len(bounds) != 2:
             raise ValueError("must be one number or two, [lower bound, upper bound]")
+        found = [of_material(bound, row.name) for bound in bounds]
+        bounds = [
+            bound if of is None else _from_si(row, of)
+            for bound, of in zip(bounds, found, strict=True)
+        ]
         for bound in bounds:
             _require_number(bound, low, high)
             if not low <= bound <= high:
@@ -189,8 +205,9 @@ _RANGES: Any = create_model("Ranges", __base__=Section, **_FIELDS)
 class Ranges(_RANGES):
     """Ranges of the 14 sampled quantities.
 
-    Each is [lower bound, upper bound], or one number for a fixed quantity. The default of each
-    key is the range of the paper.
+    Each is [lower bound, upper bound], or one number for a fixed quantity. A number may have a
+    unit (``2 cm``), and the name of a material, such as ``granite``, stands for its value
+    (``abradem predict --help`` lists them). The default of each key is the range of the paper.
     """
 
 
@@ -789,6 +806,7 @@ class Angles(Section):
     plate: list[Annotated[float, Field(ge=-90.0, le=90.0)]] = _key(
         [0.0, 15.0, 30.0, 45.0, 60.0, 70.0],
         "Plate angles, deg.",
+        unit="deg",
         allowed="a list of angles from -90 to 90",
         min_length=1,
         max_length=20,
@@ -796,6 +814,7 @@ class Angles(Section):
     factory: list[Annotated[float, Field(ge=-90.0, le=90.0)]] = _key(
         [-90.0, -60.0, -30.0, 0.0],
         "Factory angles, deg.",
+        unit="deg",
         allowed="a list of angles from -90 to 90",
         min_length=1,
         max_length=20,
@@ -812,6 +831,7 @@ class Movie(Section):
     plate_angles: list[Annotated[float, Field(ge=-90.0, le=90.0)]] = _key(
         [60.0, 40.0, 30.0],
         "Plate angles, deg, from left to right.",
+        unit="deg",
         allowed="a list of 1 to 4 angles from -90 to 90",
         min_length=1,
         max_length=4,

@@ -67,6 +67,12 @@ PARTICLE_MATERIALS: dict[str, Preset] = {
 }
 
 
+def material_name(text: str) -> str | None:
+    """Return the name of a preset, whatever case and separators, or None if there is none."""
+    plain = text.strip().lower().replace("-", "_").replace(" ", "_")
+    return plain if plain in PARTICLE_MATERIALS or plain in PLATE_MATERIALS else None
+
+
 def preset(particle: str, plate: str = "steel") -> dict[str, float]:
     """Quantities of a particle material on a plate material.
 

@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from abradem.config.declaration import Config, Section, number_text
 from abradem.config.explaining import allowed_text, section_class
 from abradem.config.keys import Key, dotted, show
+from abradem.config.quantity_texts import with_texts
 
 SCHEMA_FILE = "workflow/schemas/config.schema.json"
 DOCUMENTATION_FILE = "docs/config.md"
@@ -20,7 +21,7 @@ def schema() -> dict:
     """Return the JSON schema (draft 2020-12) of the configuration."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **Config.model_json_schema(),
+        **with_texts(Config.model_json_schema()),
     }
 
 
@@ -33,7 +34,8 @@ def documentation() -> str:
         "",
         "`config.yaml` is the study of the paper. Another study is an override file, such as",
         "`studies/smoke.yaml`, with only the keys that differ. A key that is not given has the",
-        "default below. Values are in SI units unless the key names another unit.",
+        "default below. Values are in SI units unless the key names another unit; a value may name",
+        "its own, such as `2 cm`, `45°` or `18 km/h`.",
         "",
         *_document_section(Config, ()),
     ]
