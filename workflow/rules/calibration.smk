@@ -5,6 +5,7 @@ if not IN_MODULE:
     report: "../report/calibration_overview.rst"
 
 
+from abradem.dataset.external import read_external
 from abradem.dataset.user_table import local_file
 from abradem.running.trial_setups import drawn_setups, search_rungs
 from abradem.store.files import TableError
@@ -14,6 +15,10 @@ JUDGED_BY = "log_r2_constant" if SEARCH.constant else "log_r2"
 FOUND = f"{RESULTS}/calibration"
 try:
     CALIBRATION_TABLE = str(local_file(SEARCH.table))
+    # Checked before anything is written; the rule reads the table again.
+    given_table = read_external(CALIBRATION_TABLE, SEARCH.columns)
+    if SEARCH.target not in given_table:
+        sys.exit(f"{CALIBRATION_TABLE}: lacks {SEARCH.target}, the calibration.target")
     TRIALS, TRIAL_SETUPS = drawn_setups(CONFIG)
 except (ConfigError, TableError) as error:
     sys.exit(str(error))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from abradem.config.declaration import Config, Factory
+from abradem.config.declaration import Config, Factory, PlateKeys
 from abradem.config.keys import Key
 from abradem.quantities import WEAR_MEASURES
 
@@ -165,22 +165,35 @@ def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
 
 
 def _element_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
-    """Yield the conflict of the element size with the plate or its facets."""
-    size, plate = config.wear_rate.element_size_mm, config.simulation.plate
-    if size is None:
+    """Yield the conflicts of element sizes with the plate or its facets."""
+    size, search = config.wear_rate.element_size_mm, config.calibration
+    if size is not None and (problem := _element_problem(size, config.simulation.plate)):
+        yield ("wear_rate", "element_size_mm"), problem
+    if search.table is None:
         return
+    for place, size in enumerate(search.element_sizes_mm):
+        if problem := _element_problem(size, config.simulation.plate):
+            yield ("calibration", "element_sizes_mm", place), problem
+    if len(search.rows) != len(search.replicates):
+        yield (
+            ("calibration", "replicates"),
+            f"rows and replicates must have the same number of rungs (rows has {len(search.rows)})",
+        )
+
+
+def _element_problem(size: float, plate: PlateKeys) -> str:
+    """Return why elements of a size do not fit, or ""."""
     tiny = 1e-9
     for side in (plate.length_mm, plate.width_mm):
         facets = math.ceil(side / plate.facet_size_mm - tiny)
         elements = max(1, round(side / size))
         if abs(side / elements - size) > tiny * side or facets % elements:
             allowed = [f"{side / count:g}" for count in range(facets, 0, -1) if facets % count == 0]
-            yield (
-                ("wear_rate", "element_size_mm"),
+            return (
                 f"does not divide {side:g} mm of the plate into whole facets of "
-                f"{side / facets:g} mm (allowed {', '.join(allowed[:12])})",
+                f"{side / facets:g} mm (allowed {', '.join(allowed[:12])})"
             )
-            return
+    return ""
 
 
 def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:

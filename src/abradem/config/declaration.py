@@ -737,8 +737,8 @@ class Calibration(Section):
         "Columns of the table with other names, as for dataset.columns.",
         allowed="{name: column} or {name: [column, unit]}",
     )
-    target: str = _key(
-        "wear_total_mean", "Column of the table to explain.", allowed="a wear column of the table"
+    target: Literal[_TARGETS] = _key(  # type: ignore[valid-type]  # names of a table
+        quantities.TARGET.name, "Column of the table to explain."
     )
     search: Annotated[Any, PlainValidator(_check_search), _SEARCH_SCHEMA] = _key(
         {},

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from abradem.figures import style
+from abradem.learning.number_text import score_number
 from abradem.words.labels import STATISTIC_WORDS
 
 LEFT_AGAINST = (
@@ -113,8 +114,8 @@ def _parity(panel: Axes, predicted: pd.DataFrame, summary: Mapping) -> None:
     panel.set_xlabel("Wear depth rate in the table (mm/s)")
     panel.set_ylabel("Simulated wear depth rate (mm/s)")
     lines = [
-        f"{name}: $R^2$ of ln y {of['log_r2']:.3f}, of y {of['r2']:.3f}\n"
-        f"  rank correlation {of['spearman']:.3f}, constant {of['constant']:.2f}"
+        f"{name}: $R^2$ of ln y {_score(of['log_r2'])}, of y {_score(of['r2'])}\n"
+        f"  rank correlation {_score(of['spearman'])}, constant {_score(of['constant'])}"
         for name, of in summary["scores"].items()
         if name != "both"
     ]
@@ -188,6 +189,10 @@ def _reading(summary: Mapping) -> str:
     words = f"{summary['measure']} measure, {STATISTIC_WORDS[summary['statistic']]}"
     size = summary["element_size"]
     return words if size is None else f"{words} of {1e3 * size:g} mm"
+
+
+def _score(value: float | None) -> str:
+    return style.minus(score_number(value, 3))
 
 
 def _score_words(by: str) -> str:

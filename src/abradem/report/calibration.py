@@ -6,6 +6,8 @@ from collections.abc import Mapping
 
 import pandas as pd
 
+from abradem.calibration.agreement import SCORES
+from abradem.learning.number_text import is_number, score_number
 from abradem.words.labels import LABELS, MEASURE_WORDS, STATISTIC_WORDS
 
 LARGE_SLOPE = 0.3
@@ -57,14 +59,15 @@ def _agreement(summary: Mapping) -> str:
         mean, spread = of["single"]["log_r2"]
         single = (
             f"; a single replicate reaches {mean:.3f} ± {spread:.3f}"
-            if spread is not None and summary["replicates"] > 1
+            if is_number(mean) and is_number(spread)
             else ""
         )
+        said = {score: score_number(of[score], 3) for score in SCORES}
         parts.append(
             f"{name.capitalize()} ({of['rows']} rows): without a constant R2 of ln y "
-            f"{of['log_r2']:.3f} and of y {of['r2']:.3f}; with one {of['log_r2_constant']:.3f} and "
-            f"{of['r2_constant']:.3f}; the constant is {of['constant']:.3f}; rank correlation "
-            f"{of['spearman']:.3f}{single}."
+            f"{said['log_r2']} and of y {said['r2']}; with one {said['log_r2_constant']} and "
+            f"{said['r2_constant']}; the constant is {said['constant']}; rank correlation "
+            f"{said['spearman']}{single}."
         )
     return (
         f"Means of {summary['replicates']} replicates. " + " ".join(parts)

@@ -7,9 +7,11 @@ from typing import Any
 
 import yaml
 
+from abradem.calibration.agreement import SCORES
 from abradem.calibration.halving import Rung, rungs
 from abradem.calibration.space import Unknown, draw, keys_of, unknowns
 from abradem.config import Config, ConfigError, load_config, setup_dict
+from abradem.learning.number_text import score_number
 
 
 def search_space(config: Config) -> list[Unknown]:
@@ -51,7 +53,7 @@ def drawn_setups(config: Config) -> tuple[list[dict], list[dict]]:
         try:
             setups.append(setup_dict(with_values(config, values)))
         except ConfigError as error:
-            problems |= dict.fromkeys(error.problems)
+            problems |= dict.fromkeys(line.removeprefix("a set-up: ") for line in error.problems)
     if problems:
         raise ConfigError([f"calibration.search: {line}" for line in problems])
     return trials, setups
@@ -89,11 +91,12 @@ def override_file(resolved: Mapping, outcome: Mapping) -> str:
         "learning": {"target": f"wear_{outcome['measure']}_{outcome['statistic']}"},
         "calibration": {"table": None},
     }
-    scores = outcome["scores"]["both"]
+    said = {name: score_number(value, 3) for name, value in outcome["scores"]["both"].items()
+            if name in SCORES}  # fmt: skip
     head = (
         f"# The set-up that explains {config.calibration.table} best, trial {outcome['trial']} of\n"
-        f"# study {config.study}: R2 of ln y {scores['log_r2']:.3f}, of y {scores['r2']:.3f}, "
-        f"constant {scores['constant']:.3f}.\n"
+        f"# study {config.study}: R2 of ln y {said['log_r2']}, of y {said['r2']}, constant "
+        f"{said['constant']}.\n"
     )
     text = yaml.safe_dump(study, sort_keys=False, default_flow_style=None, width=100)
     return head + text
