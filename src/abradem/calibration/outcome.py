@@ -36,7 +36,7 @@ def profiles(
     """Return the best score for each value of each unknown, whatever the others are.
 
     A value is told apart from the best one if their scores differ by more than `SIGNIFICANT`
-    standard errors of the replicates.
+    standard errors of the replicates, or if it has none.
 
     Parameters
     ----------
@@ -71,7 +71,8 @@ def profiles(
     found = pd.DataFrame(rows, columns=columns).astype({"trials": "int64"})
     top = found.groupby("unknown")["score"].transform("max")
     of_top = found["noise"].where(found["score"] == top).groupby(found["unknown"]).transform("max")
-    error = np.hypot(found["noise"].fillna(0.0), of_top.fillna(0.0))
+    # Without replicates the noise is not known (nan), and nothing is told apart.
+    error = np.hypot(found["noise"], of_top)
     found["told_apart"] = (top - found["score"] > SIGNIFICANT * error) | found["score"].isna()
     return found
 

@@ -8,16 +8,24 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from abradem.figures import style
 from abradem.learning.number_text import score_number
-from abradem.words.labels import STATISTIC_WORDS
+from abradem.quantities import quantity
+from abradem.words.labels import LABELS, STATISTIC_WORDS
 
 LEFT_AGAINST = (
     "particle_radius", "particle_density", "particle_velocity_y", "static_friction",
     "restitution", "plate_angle", "factory_angle",
 )  # fmt: skip
 """Quantities against which the ratio of given and simulated rates is drawn."""
+
+FEW_DECADES = 30.0
+"""Ratio of the ends of an axis below which more than its decades are labelled."""
+
+SPEED = "particle_velocity_y"
+"""The exponent of the squared impact speed is written at this quantity."""
 
 SHOWN_SPAN = 0.35
 """Range of R2 below the best one that a profile shows."""
@@ -34,8 +42,8 @@ def draw_agreement(predicted: pd.DataFrame, summary: Mapping, slopes: pd.DataFra
         From the same.
     """
     with style.style():
-        figure = style.new_figure(style.PAGE, 4.2)
-        grid = figure.add_gridspec(2, 5, width_ratios=(1.0, 1.0, 1.0, 1.0, 1.0))
+        figure = style.new_figure(style.PAGE, 4.5)
+        grid = figure.add_gridspec(2, 5, width_ratios=(1.1, 1.1, 1.0, 1.0, 1.0))
         _parity(figure.add_subplot(grid[:, :2]), predicted, summary)
         ratio = (predicted["given"] / predicted["simulated"]).to_numpy()
         span = float(np.exp(np.abs(np.log(ratio)).max())) * 1.1
@@ -44,24 +52,29 @@ def draw_agreement(predicted: pd.DataFrame, summary: Mapping, slopes: pd.DataFra
         panels = [figure.add_subplot(place) for place in places[:-1]]
         # The two angles share the last panel.
         for index, (panel, name) in enumerate(zip(panels, LEFT_AGAINST, strict=False)):
-            _left(panel, predicted, ratio, name, slopes, span)
-            panel.set_title(style.letter(index + 1), loc="left")
+            _left(panel, predicted, ratio, name, span)
+            words = f"{style.letter(index + 1)}{_left_words(slopes, name)}"
+            panel.set_title(words, loc="left", fontsize=6.5)
             if index in (0, 3):
                 panel.set_ylabel("given / simulated")
+            else:
+                panel.set_yticklabels([])
         for name, colour in (("plate_angle", style.BLUE), ("factory_angle", style.ORANGE)):
             spare.scatter(predicted[name], ratio, s=7, color=colour, lw=0, alpha=0.7,
                           label=style.short_label(name))  # fmt: skip
         _ratio_axis(spare, span)
-        spare.set_xlabel("Angle (°)")
-        spare.legend(loc="lower left", fontsize=5.5, handletextpad=0.1, borderpad=0.0)
-        spare.set_title(style.letter(len(panels) + 1), loc="left")
+        spare.set_yticklabels([])
+        spare.set_xlabel("Angle (°)", fontsize=7.0)
+        spare.legend(loc="lower left", fontsize=6.5, handletextpad=0.1, borderpad=0.0)
+        spare.set_title(style.letter(len(panels) + 1), loc="left", fontsize=6.5)
         reading = _reading(summary)
         style.caption(
             figure,
             f"Simulated: {reading}, mean of {summary['replicates']} replicates of trial "
             f"{summary['trial']}; no constant is fitted. Bars: standard errors of the replicates. "
             "Open: rows held out of the search. (b) to (g): the ratio of given to simulated rates; "
-            "b: exponent that is left in it, with its standard error",
+            "b: exponent that is left in it, in (d) that of the squared impact speed, with its "
+            "standard error",
         )
     return figure
 
@@ -84,6 +97,8 @@ def draw_profiles(profiles: pd.DataFrame, summary: Mapping) -> Figure:
             rows = profiles[profiles["unknown"] == name].reset_index(drop=True)
             _profile(panel, rows, top)
             panel.set_title(f"{style.letter(index)} {_short(name)}", loc="left", fontsize=7.0)
+            if index % 3 == 0:
+                panel.set_ylabel("$R^2$ of ln y")
         style.caption(
             figure,
             f"{_score_words(summary['by'])} of the best set-up with each value, on the rows of the "
@@ -110,19 +125,25 @@ def _parity(panel: Axes, predicted: pd.DataFrame, summary: Mapping) -> None:
     panel.set_yscale("log")
     panel.set_xlim(ends)
     panel.set_ylim(ends)
-    panel.set_aspect("equal")
+    panel.set_aspect("equal", anchor="N")
+    for axis in (panel.xaxis, panel.yaxis):
+        axis.set_major_locator(
+            LogLocator(subs=(1.0, 2.0, 5.0) if ends[1] < FEW_DECADES * ends[0] else (1.0,))
+        )
+        axis.set_minor_formatter(NullFormatter())
+        if ends[1] < FEW_DECADES * ends[0]:
+            axis.set_major_formatter(lambda value, _: f"{value:g}")
     panel.set_xlabel("Wear depth rate in the table (mm/s)")
     panel.set_ylabel("Simulated wear depth rate (mm/s)")
     lines = [
         f"{name}: $R^2$ of ln y {_score(of['log_r2'])}, of y {_score(of['r2'])}\n"
         f"  rank correlation {_score(of['spearman'])}, constant {_score(of['constant'])}"
-        for name, of in summary["scores"].items()
+        for name, of in sorted(summary["scores"].items(), reverse=True)
         if name != "both"
     ]
     panel.text(
-        0.97, 0.03, "\n".join(lines), transform=panel.transAxes, ha="right", va="bottom",
-        fontsize=6.0,
-    )  # fmt: skip
+        0.0, -0.24, "\n".join(lines), transform=panel.transAxes, ha="left", va="top", fontsize=6.5
+    )
     panel.legend(loc="upper left")
     panel.set_title(f"{style.letter(0)} agreement", loc="left")
 
@@ -132,7 +153,6 @@ def _left(
     predicted: pd.DataFrame,
     ratio: np.ndarray,
     name: str,
-    slopes: pd.DataFrame,
     span: float,
 ) -> None:
     factor = 1e3 if name == "particle_radius" else 1.0
@@ -143,23 +163,29 @@ def _left(
             edgecolor=style.BLUE, lw=0.5,
         )  # fmt: skip
     _ratio_axis(panel, span)
-    label = "Particle radius $R$ (mm)" if factor != 1.0 else style.axis_label(name)
-    panel.set_xlabel(label.replace("Coefficient of ", "").replace(" (vertical)", ""), fontsize=7.0)
-    term = "impact_speed" if name == "particle_velocity_y" else name
-    slope = slopes[slopes["quantity"] == term]
-    if len(slope):
-        value, error = slope[["ratio_exponent", "ratio_stderr"]].iloc[0]
-        panel.text(
-            0.97, 0.95, style.minus(f"b = {value:+.2f} ± {error:.2f}"), transform=panel.transAxes,
-            ha="right", va="top", fontsize=6.0,
-        )  # fmt: skip
+    tex, long_name = LABELS[name]
+    words = long_name.removeprefix("coefficient of ").removeprefix("particle ")
+    words = words.removesuffix(" (vertical)")
+    unit = "mm" if factor != 1.0 else quantity(name).unit
+    panel.set_xlabel(style.with_unit(f"{words[0].upper()}{words[1:]} ${tex}$", unit), fontsize=7.0)
+
+
+def _left_words(slopes: pd.DataFrame, name: str) -> str:
+    """The exponent of a quantity that is left in the ratio, "" if it is not determined."""
+    slope = slopes[slopes["quantity"] == ("impact_speed" if name == SPEED else name)]
+    if slope.empty:
+        return ""
+    value, error = slope[["ratio_exponent", "ratio_stderr"]].iloc[0]
+    return style.minus(f" b = {value:+.2f} ± {error:.2f}")
 
 
 def _ratio_axis(panel: Axes, span: float) -> None:
     panel.axhline(1.0, color=style.BLACK, ls="--", lw=0.7, zorder=0)
     panel.set_yscale("log")
     panel.set_ylim(1.0 / span, span)
-    ticks = [t for t in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0) if 1.0 / span <= t <= span]
+    fine = (0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5)
+    coarse = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+    ticks = [tick for tick in (fine if span < 2.0 else coarse) if 1.0 / span <= tick <= span]
     panel.set_yticks(ticks, [f"{t:g}" for t in ticks])
     panel.minorticks_off()
 
@@ -175,13 +201,17 @@ def _profile(panel: Axes, rows: pd.DataFrame, top: float) -> None:
     panel.set_xlim(-0.5, len(rows) - 0.5)
     panel.set_ylim(top - SHOWN_SPAN, min(1.0, top + 0.1 * SHOWN_SPAN) + 0.01)
     turned = max(len(value) for value in rows["value"]) * len(rows) > 28
-    panel.set_xticks(places, rows["value"], fontsize=6.0, rotation=30 if turned else 0,
+    panel.set_xticks(places, rows["value"], fontsize=6.5, rotation=30 if turned else 0,
                      ha="right" if turned else "center")  # fmt: skip
 
 
 def _short(name: str) -> str:
     """The last parts of the keys of an unknown."""
     words = [key.strip().rpartition(".")[2] for key in name.split(",")]
+    for suffix, unit in (("_kg_s", "kg/s"), ("_per_s", "1/s"), ("_mm", "mm"), ("_s", "s")):
+        if all(word.endswith(suffix) for word in words):
+            words = [word.removesuffix(suffix) for word in words]
+            return f"{', '.join(words).replace('_', ' ')} ({unit})"
     return ", ".join(words).replace("_", " ")
 
 

@@ -10,6 +10,9 @@ from abradem.calibration.agreement import SCORES
 from abradem.learning.number_text import is_number, score_number
 from abradem.words.labels import LABELS, MEASURE_WORDS, STATISTIC_WORDS
 
+PARTS = ("used", "held out", "both")
+"""Rows that are scored apart, in the order of the text."""
+
 LARGE_SLOPE = 0.3
 """Exponent left in the ratio of given and simulated rates that is named as a difference."""
 
@@ -55,7 +58,10 @@ def _best(summary: Mapping, trials: int) -> str:
 
 def _agreement(summary: Mapping) -> str:
     parts = []
-    for name, of in summary["scores"].items():
+    for name in PARTS:
+        of = summary["scores"].get(name)
+        if of is None:
+            continue
         mean, spread = of["single"]["log_r2"]
         single = (
             f"; a single replicate reaches {mean:.3f} ± {spread:.3f}"
