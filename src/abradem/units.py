@@ -32,6 +32,7 @@ SYMBOLS: dict[str, tuple[Fraction, tuple[int, int, int, int]]] = {
     "g": (Fraction(1, 1000), (1, 0, 0, 0)),
     "t": (Fraction(1000), (1, 0, 0, 0)),
     "m": (Fraction(1), (0, 1, 0, 0)),
+    "l": (Fraction(1, 1000), (0, 3, 0, 0)),
     "s": (Fraction(1), (0, 0, 1, 0)),
     "min": (Fraction(60), (0, 0, 1, 0)),
     "h": (Fraction(3600), (0, 0, 1, 0)),
@@ -59,12 +60,20 @@ _PREFIXES = {
     "u": Fraction(1, 10**6),
     "n": Fraction(1, 10**9),
 }
-_WITH_PREFIX = ("g", "t", "m", "s", "N", "J", "Nm", "Pa", "bar", "rad")
+_WITH_PREFIX = {
+    "g": "kmu", "t": "k", "m": "kdcmun", "s": "mun", "l": "dcm", "N": "GMkm", "J": "GMkm",
+    "Nm": "Mkm", "Pa": "GMkm", "bar": "km", "rad": "mu",
+}  # fmt: skip
+"""Prefixes that a symbol may have; others are more often a slip, such as Grad."""
+
 _WORDS = {
     "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "inch": "in",
     "sec": "s", "second": "s", "seconds": "s", "hr": "h", "hour": "h", "hours": "h",
     "meter": "m", "metre": "m", "meters": "m", "metres": "m", "micron": "um", "microns": "um",
-    "lbs": "lb", "tonne": "t", "tonnes": "t", "kmh": "km/h", "cc": "cm3",
+    "millimeter": "mm", "millimetre": "mm", "millimeters": "mm", "millimetres": "mm",
+    "centimeter": "cm", "centimetre": "cm", "gram": "g", "grams": "g", "kilogram": "kg",
+    "kilograms": "kg", "newton": "N", "pascal": "Pa", "liter": "l", "litre": "l", "minute": "min",
+    "minutes": "min", "lbs": "lb", "tonne": "t", "tonnes": "t", "kmh": "km/h", "cc": "cm3",
 }  # fmt: skip
 
 ACCEPTED = {
@@ -86,15 +95,17 @@ _TEXT = str.maketrans(
     {
         "−": "-", "‐": "-", "‑": "-", "‒": "-", "–": "-", "＋": "+",
         "µ": "u", "μ": "u", "·": "*", "⋅": "*", "×": "*", "∙": "*", "⁄": "/", "∕": "/",
-        "\u00a0": " ", "\u2009": " ", "\u202f": " ", "\t": " ",
+        "º": "°", "˚": "°", "\u00a0": " ", "\u2009": " ", "\u202f": " ", "\t": " ",
     }
 )  # fmt: skip
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]+))?")
-_POWER_OF_TEN = re.compile(r"\*\s*10(?:\^|\*\*)?([+-]?[0-9]+)(?![0-9.])")
+_POWER_OF_TEN = re.compile(r"[*x]\s*10\s*(?:\^|\*\*)\s*([+-]?[0-9]+)(?![0-9.])")
+_TEN_TO = re.compile(r"([+-]?)10\s*(?:\^|\*\*)\s*([+-]?[0-9]+)(?![0-9.])")
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]+,[0-9]+(?:[eE][+-]?[0-9]+)?(?![0-9,.])")
-_TOKEN = re.compile(r"\s*(?:([A-Za-z]+)|(1)(?![0-9])|([/*()]))\s*")
-_EXPONENT = re.compile(r"(?:\^|\*\*)?\s*([+-]?[0-9]+)")
+_TOKEN = re.compile(r"\s*(?:([A-Za-z]+)|([/*()]))")
+_EXPONENT = re.compile(r"(?:\s*(?:\^|\*\*)\s*)?([+-]?[0-9]+)")
+_DIMENSIONLESS = ("", "1", "-", "none", "dimensionless")
 _MOST_CHARACTERS = 80
 _LARGEST_EXPONENT = 9
 _LARGEST_POWER_OF_TEN = 400
@@ -120,12 +131,14 @@ def parse_unit(text: str) -> Unit:
     UnitError
         If the text is not a unit.
     """
-    plain = _plain(text).strip()
-    if plain in ("", "1", "-"):
+    plain = re.sub(r"(?<=[A-Za-z0-9])\.(?=[A-Za-z])", "*", _plain(text).strip())
+    if plain.lower() in _DIMENSIONLESS:
         return Unit(Fraction(1), (0,) * len(DIMENSIONS))
     if len(plain) > _MOST_CHARACTERS:
         raise UnitError(f"unit {text[:20]!r}... is too long")
-    unit, rest = _product(plain, text)
+    # "1/Pa" is "/Pa"; a 1 elsewhere is none.
+    plain = re.sub(r"^1\s*(?=/)", "", plain)
+    unit, rest = _product(plain, text, begun=plain.startswith("/"))
     if rest:
         raise UnitError(f"unit {text!r} is unknown")
     return unit
@@ -175,7 +188,12 @@ def parse_quantity(text: str, wanted: str, default: str | None = None) -> float:
         If the text is not a finite number, or the unit is not accepted.
     """
     plain = _plain(text).strip()
-    found = _NUMBER.match(plain) if len(plain) <= _MOST_CHARACTERS else None
+    if len(plain) > _MOST_CHARACTERS:
+        raise ValueError("is not a number")
+    ten = _TEN_TO.match(plain)
+    if ten:
+        plain = f"{ten.group(1)}1e{ten.group(2)}{plain[ten.end() :]}"
+    found = _NUMBER.match(plain)
     if not found:
         raise ValueError("is not a number")
     digits, exponent = found.groups()
@@ -183,6 +201,8 @@ def parse_quantity(text: str, wanted: str, default: str | None = None) -> float:
     power = _POWER_OF_TEN.match(unit)
     if power:
         unit = unit[power.end() :].lstrip()
+    if unit[:1] in ("*", "^"):
+        raise ValueError("is not a number")
     if unit[:1] in (",", ".", "_", "'") or (_NUMBER.match(unit) and unit[:2] != "1/"):
         raise ValueError(_no_number(plain))
     unit = f"1{unit}" if unit.startswith("/") else unit or default or wanted
@@ -213,7 +233,7 @@ def has_unit(text: str) -> bool:
     return found is not None and found.end() < len(plain)
 
 
-def parse_value(name: str, text: str) -> float:
+def parse_value(name: str, text: str, default: str | None = None) -> float:
     """Return the value of a quantity, in its own unit, from text with or without a unit.
 
     Parameters
@@ -221,7 +241,9 @@ def parse_value(name: str, text: str) -> float:
     name : str
         A quantity of `abradem.quantities`.
     text : str
-        For example "20 mm". A number without a unit is in the unit of the quantity.
+        For example "20 mm".
+    default : str, optional
+        Unit of a number without one; that of the quantity if it is not given.
 
     Returns
     -------
@@ -234,7 +256,7 @@ def parse_value(name: str, text: str) -> float:
         If the text is not a number, or the unit is not accepted for this quantity.
     """
     try:
-        return parse_quantity(text, quantity(name).unit)
+        return parse_quantity(text, quantity(name).unit, default)
     except UnitError as error:
         raise ValueError(f"{name} = {text!r}: {error}") from None
     except ValueError as error:
@@ -281,15 +303,18 @@ def _plain(text: str) -> str:
     return plain.translate(_TEXT).replace("°", " deg ")
 
 
-def _product(text: str, whole: str, inner: bool = False) -> tuple[Unit, str]:
-    """Return the product at the start of a text, and the rest of it."""
+def _product(text: str, whole: str, inner: bool = False, begun: bool = False) -> tuple[Unit, str]:
+    """Return the product at the start of a text, and the rest of it.
+
+    ``inner``: within parentheses. ``begun``: the text begins with the mark after a factor of 1.
+    """
     factor, powers = Fraction(1), [0] * len(DIMENSIONS)
-    sign, expects = 1, True
+    sign, expects = 1, not begun
     while text:
         found = _TOKEN.match(text)
         if not found:
             break
-        symbol, one, mark = found.groups()
+        symbol, mark = found.groups()
         if mark == ")" and inner:
             break
         if mark in ("/", "*"):
@@ -306,11 +331,9 @@ def _product(text: str, whole: str, inner: bool = False) -> tuple[Unit, str]:
             text = text[1:]
         elif symbol:
             unit = _symbol(symbol, whole)
-        elif one:
-            unit = Unit(Fraction(1), (0,) * len(DIMENSIONS))
         else:
             raise UnitError(f"unit {whole!r} is unknown")
-        exponent = None if one else _EXPONENT.match(text)
+        exponent = _EXPONENT.match(text)
         power = sign
         if exponent:
             power *= int(exponent.group(1)[: _LARGEST_EXPONENT + 1])
@@ -326,13 +349,17 @@ def _product(text: str, whole: str, inner: bool = False) -> tuple[Unit, str]:
 
 
 def _symbol(symbol: str, whole: str) -> Unit:
-    word = _WORDS.get(symbol)
+    if symbol == "ksi":
+        factor, powers = SYMBOLS["psi"]
+        return Unit(1000 * factor, powers)
+    word = _WORDS.get(symbol) or (_WORDS.get(symbol.lower()) if len(symbol) > 3 else None)
     if word and word != symbol:
         return parse_unit(word)
+    symbol = {"L": "l"}.get(symbol, f"{symbol[0]}l" if symbol in ("mL", "cL", "dL") else symbol)
     if symbol in SYMBOLS:
         return Unit(*SYMBOLS[symbol])
     prefix, rest = symbol[:1], symbol[1:]
-    if prefix in _PREFIXES and rest in _WITH_PREFIX:
+    if prefix in _WITH_PREFIX.get(rest, ""):
         factor, powers = SYMBOLS[rest]
         return Unit(_PREFIXES[prefix] * factor, powers)
     raise UnitError(f"unit {whole!r} is unknown")

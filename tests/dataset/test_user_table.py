@@ -10,14 +10,15 @@ import pyarrow.parquet as pq
 import pytest
 from tables import product_law
 
+from abradem.dataset.known_names import PUBLISHED_NAMES
 from abradem.dataset.user_table import (
-    PUBLISHED_NAMES,
     column_values,
     find_columns,
     local_file,
     read_user_table,
     repeated_rows,
     similar_columns,
+    unused_columns,
 )
 from abradem.quantities import SAMPLED_NAMES, quantity
 from abradem.store.files import TableError
@@ -93,6 +94,65 @@ def test_decimal_commas_are_numbers_where_the_separator_is_another(tmp_path, sep
     path = tmp_path / "t.csv"
     TABLE.assign(label="a, b").to_csv(path, index=False, sep=separator, decimal=",")
     equal(values_of(path), rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "plate_angle,restitution,,\n45,0.5,,\n",
+        "sep=;\nplate_angle;restitution\n45;0,5\n",
+        "\u200bplate_angle\u200b,restitution\n45,0.5\n",
+        "plate_angle in rad;restitution\n0,7853981633974483;0,5\n",
+        '"plate_angle, deg",restitution\n45,0.5\n',
+        "plate_angle / deg,Restitution / 1\n45,.5\n",
+        "X13,X9\n45,0.5\n",
+        "plate_angle;restitution;site\n45;0,5;3,4-dioxane\n",
+    ],
+)
+def test_what_other_programs_write_is_read(tmp_path, text):
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    found = values_of(path)
+    assert found["plate_angle"] == pytest.approx([45.0]) and found["restitution"] == [0.5]
+
+
+def test_other_columns_are_kept_as_they_are(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text("plate_angle;label;x4\n45,5;A,1;7\n")
+    table = read_user_table(path)
+    assert table.frame["label"][0] == "A,1"
+    # A coordinate x4 is not the density X4.
+    assert "particle_density" not in find_columns(table, SAMPLED_NAMES)[0]
+    assert unused_columns(table, ["plate_angle"]) == ["x4"]
+
+
+@pytest.mark.parametrize("key", ["units", "unit", "Units", "UOM"])
+def test_every_key_that_names_a_unit_is_honoured(tmp_path, key):
+    path = tmp_path / "t.parquet"
+    schema = pa.schema([pa.field("plate_angle", pa.float64(), metadata={key: "rad"})])
+    pq.write_table(pa.table({"plate_angle": [0.5]}, schema=schema), path)
+    assert values_of(path)["plate_angle"] == pytest.approx(np.degrees([0.5]))
+
+
+def test_an_index_that_is_no_column_is_refused(tmp_path):
+    path = tmp_path / "t.parquet"
+    index = pd.RangeIndex(10, 30, 10, name="plate_angle")
+    pd.DataFrame({"restitution": [0.2, 0.3]}, index=index).to_parquet(path)
+    assert "its index 'plate_angle' is in the metadata for pandas alone" in problem_of(path)
+
+
+def test_a_mapping_does_not_override_the_unit_of_a_header(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text("slope [rad]\n0.5\n")
+    table = read_user_table(path)
+    _, problems = find_columns(table, ["plate_angle"], {"plate_angle": ["slope [rad]", "deg"]})
+    assert "the units 'deg' and 'rad' of plate_angle contradict" in problems["plate_angle"]
+
+
+def test_whole_numbers_with_gaps_stay_whole(tmp_path):
+    path = tmp_path / "t.parquet"
+    pq.write_table(pa.table({"id": pa.array([2**60 + 1, None])}), path)
+    assert read_user_table(path).frame["id"].tolist() == [2**60 + 1, None]
 
 
 @pytest.mark.parametrize("suffix", [".CSV", ".Csv", ".PARQUET", ".Pq"])
@@ -176,6 +236,12 @@ def test_a_cell_may_carry_its_unit(tmp_path):
         ('particle_shear_modulus\n"2,000,000,000"\n', "has separators of thousands"),
         ("plate_angle;a\n1,5;x\n2.5;x\n", "mixes decimal commas with points"),
         ("plate_angle;a\n1.000,5;x\n2,5;x\n", "mixes decimal commas with points"),
+        ("particle_density;plate_angle\n11.340;45,5\n", "mixes decimal commas with points"),
+        ("particle_density;a\n11,340;x\n", "a separator of thousands; write 11.340 or 11340"),
+        ("particle_density|a\n7,850|x\n2,650|y\n", "may have a decimal comma or a separator"),
+        ("plate_angle\n26.5*100\n", "row 1: plate_angle = '26.5*100' is not a number"),
+        ("plate_angle,a\n,1\n", "row 1: plate_angle is empty"),
+        ("sep=!\nplate_angle\n1\n", "separator '!' is unknown"),
         ("plate_angle\n1 mm\n", "unit 'mm' has another dimension"),
         ("plate_angle [mm]\n1\n", "unit 'mm' has another dimension"),
         ("plate_angle [steep]\n1\n", "unit 'steep' is unknown"),
@@ -202,7 +268,7 @@ def test_what_is_unclear_is_one_line(tmp_path, text, words):
 def test_what_is_no_number_in_parquet_is_one_line(tmp_path, column):
     path = tmp_path / "t.parquet"
     pq.write_table(pa.table({"plate_angle": column}), path)
-    assert problem_of(path).startswith("row 1: plate_angle = ")
+    assert problem_of(path).startswith("row 1: plate_angle ")
 
 
 @pytest.mark.parametrize(
@@ -229,7 +295,7 @@ def test_an_index_of_pandas_is_a_column(tmp_path):
 @pytest.mark.parametrize("address", ["http://x.org/t.csv", "https://x.org/t.csv", "s3://b/t.parquet",
                                      "file:///t.csv", "ftp://x/t.csv"])  # fmt: skip
 def test_nothing_is_fetched(address):
-    with pytest.raises(TableError, match="is an address, and nothing is fetched"):
+    with pytest.raises(TableError, match="is an address, not a file on this machine"):
         read_user_table(address)
 
 
@@ -254,6 +320,9 @@ def test_only_regular_files_are_opened(tmp_path):
         ("mean_particle_radius", "particle_radius"), ("plate_angle_rad", "plate_angle"),
         ("inclination angle", "plate_angle"), ("velocity", "particle_velocity_y"),
         ("Restitution coefficient", "restitution"), ("Archard", "archard_constant"),
+        ("particle_diameter", "particle_radius"), ("d50 (mm)", "particle_radius"),
+        ("COR", "restitution"), ("speed (m/s)", "particle_velocity_y"), ("mu", "static_friction"),
+        ("rho [kg/m3]", "particle_density"), ("theta", "factory_angle"),
         ("plate_angle (steep)", "plate_angle"),
     ],
 )  # fmt: skip

@@ -424,10 +424,18 @@ def test_presets_are_possible_and_name_a_source():
         (["radius=20"], "radius (did you mean particle_radius?): no such quantity"),
         (["colour=20"], "colour: no such quantity; known are"),
         (
-            ["plate_angel=1", "Restitution=.5", "particle_size=1", "x=1", "speed=2"],
-            "plate_angel (did you mean plate_angle?), Restitution (did you mean restitution?), "
-            "particle_size (did you mean particle_",
+            ["plate_angel=1", "diameter=5mm", "x=1", "speed=2"],
+            "plate_angel (did you mean plate_angle?), diameter (give half of it as "
+            "particle_radius), x, speed (did you mean particle_velocity_y?): no such quantities; known are",
         ),
+        (["particle_radius=20mm", "Particle Size=20mm"], "particle_radius is given twice"),
+        (["plate_angle=", "factory_angle=-30"], "plate_angle has no value"),
+        (["particle_density=26.5*100"], "particle_density = '26.5*100' is not a number"),
+        (["plate_angle=45 Grad"], "plate_angle = '45 Grad': unit 'Grad' is unknown"),
+        ([*WORDS[:-1], "particle_velocity_y=5 m/s"], "particle_velocity_y = 5 m/s is impossible"),
+        ([*WORDS, "--confidence", "1.5"], "--confidence 1.5: must lie between 0 and 1, or between"),
+        ([*WORDS, "--confidence", "95,5"], "--confidence 95,5: is not a number, with a decimal"),
+        ([*WORDS, "--confidence", "0_5"], "--confidence 0_5: is not a number"),
         (["--material", "granit"], "--material granit: no such preset, did you mean granite?"),
         (["particle_radius=20,5mm"], "particle_radius = '20,5mm' has a decimal comma"),
         ([*WORDS, "--depth", "-5"], "--depth -5: must be positive"),
@@ -524,6 +532,12 @@ def test_a_table_gives_the_same_however_it_is_written(capsys, stem, tmp_path, ta
          "column 'Restitution coeff' is unknown; rename it to restitution"),
         ("plate_angle,particle_youngs_modulus\n45,1e9\n", ["--material", "granite", *REST],
          "missing: restitution"),
+        ("plate_angle,Young's Modulus (Material)\n45,1e11\n", [*REST, "restitution=.3"],
+         "holds particle_youngs_modulus, but particle_shear_modulus would be taken from"),
+        ("plate_angle,damping_ratio\n45,-.2\n", [*REST, "restitution=.3"],
+         "holds damping_ratio, but restitution would be taken from the command line"),
+        ("plate_angle,d50 (mm)\n45,20\n", [*REST, "restitution=.3"],
+         "is unknown; rename it to particle_radius if that is meant (particle radius, half of the"),
         ("colour,taste\nred,sweet\n", WORDS, "has no column with a known quantity"),
         ("plate_angle\n45\n", REST, "missing: restitution"),
         ("plate_angle,wear_depth_rate\n45,1\n", [*REST, "restitution=.3"],
@@ -551,6 +565,46 @@ def test_a_table_without_an_output_is_printed(capsys, stem, tmp_path):
     assert code == 2 and "is the table itself" in err
 
 
+def test_what_was_read_as_what_and_what_was_not_used_is_said(capsys, stem, tmp_path):
+    table = "X13,Particle Size [mm],width,site\n45,20,3,north\n"
+    words = [word for word in WORDS if not word.startswith(("plate_angle", "particle_radius"))]
+    code, _, err = asked(capsys, stem, tmp_path, table, *words)
+    assert code == 0
+    assert "read 'X13' as plate_angle, 'Particle Size [mm]' as particle_radius" in err
+    assert "the size is read as the radius" in err and "not used: 'width'" in err
+
+
+@pytest.mark.parametrize(
+    ("output", "words"),
+    [
+        ("http://x.org/a.csv", "is an address"), ("a\nb.csv", "control character"),
+        ("~nobody-of-this-name/a.csv", "home directory"), ("folder.csv", "is a link, a folder"),
+        ("link.csv", "is a link, a folder"), ("a.txt", "is neither .csv nor .parquet"),
+    ],
+)  # fmt: skip
+def test_an_output_that_is_no_place_for_a_file_is_refused(
+    capsys, stem, tmp_path, monkeypatch, output, words
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder.csv").mkdir()
+    (tmp_path / "link.csv").symlink_to("elsewhere.csv")
+    before = sorted(tmp_path.iterdir())
+    code, _, err = asked(capsys, stem, tmp_path, "plate_angle\n45\n", *REST, "restitution=.5",
+                         "--output", output)  # fmt: skip
+    assert code == 2 and words in err and len(err.splitlines()) == 1
+    assert sorted(tmp_path.iterdir()) == sorted([*before, tmp_path / "t.csv"])
+
+
+@pytest.mark.parametrize("study", ["010", "no", "''", "../../etc", "2024-13-45", "[[", "3.5"])
+def test_a_study_of_the_configuration_that_is_no_name_is_one_line(
+    capsys, tmp_path, monkeypatch, study
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "config.yaml").write_text(f"study: {study}\n")
+    code, _, err = run(capsys, *WORDS)
+    assert code == 2 and err == "--model is not given, and config.yaml names no study\n"
+
+
 def test_units_and_columns_of_a_parquet_table_are_kept(capsys, stem, tmp_path):
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -575,6 +629,11 @@ def test_the_depth_is_said_to_be_that_of_the_target(capsys, stem):
     _, out, _ = run(capsys, "--model", stem, *WORDS, "--depth", "5")
     assert "(wear_total_mean: mean over the plate)" in out
     assert "(depth mean over the plate; single places are worn deeper)" in out
+
+
+def test_the_smallest_level_has_an_interval(stem):
+    found = Surrogate.load(stem).predict(CASE, 1e-12)
+    assert found.lower[0] <= found.rate[0] <= found.upper[0]
 
 
 @pytest.mark.parametrize("level", ["0.9", "90", "90%", "90 %"])

@@ -7,6 +7,9 @@ from abradem.running.readiness import problems_of_table
 
 try:
     EXTERNAL = str(local_file(CONFIG.dataset.external))
+except TableError as error:
+    sys.exit(f"dataset.external: {error}")
+try:
     # Checked before anything is written; the rule reads the table again.
     given_table = read_external(EXTERNAL, CONFIG.dataset.columns)
     REPEATED_ROWS = repeated(given_table)

@@ -12,8 +12,11 @@ def joined(arguments: Sequence[str]) -> list[str]:
     """
     words: list[str] = []
     for word in arguments:
-        after = bool(words) and words[-1].endswith("=") and not words[-1].startswith("-")
-        before = word.startswith("=") and bool(words) and not words[-1].startswith("-")
+        # What follows an option is its value, and a word with a name of its own is no value.
+        of_option = len(words) > 1 and words[-2].startswith("--") and "=" not in words[-2]
+        joins = bool(words) and not words[-1].startswith("-") and not of_option
+        after = joins and words[-1].endswith("=") and "=" not in word.strip("=")
+        before = joins and word.startswith("=")
         if after or before:
             words[-1] += word
         else:

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from abradem.config.materials import PARTICLE_MATERIALS, material_name, preset
+from abradem.dataset.known_names import hint_for, known_quantity
 from abradem.quantities import SAMPLED_NAMES, quantity
 from abradem.surrogate.model import PredictionError
 from abradem.units import parse_quantity, parse_value
 
-SHORT_NAMES = {
-    "radius": "particle_radius", "size": "particle_radius", "velocity": "particle_velocity_y",
-    "speed": "particle_velocity_y", "angle": "plate_angle", "density": "particle_density",
-    "friction": "static_friction", "w": "archard_constant", "wear_constant": "archard_constant",
-    "theta": "factory_angle", "phi": "plate_angle", "mu": "static_friction",
-    "diameter": "particle_radius",
-}  # fmt: skip
-"""What is meant by words that are not similar to any name; only for "did you mean"."""
-
 _ALIKE = 0.6
 """Similarity of two names (Ratcliff and Obershelp) from which one may be meant by the other."""
+
+_LEVEL = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?\s*(%?)")
 
 
 class Given(NamedTuple):
@@ -40,6 +35,9 @@ class Given(NamedTuple):
 
 
 COMMAND_LINE = "command line"
+
+LEAST_PERCENT = 50.0
+"""Smallest number that is taken for percent without the mark: 1.5 may be a slip of 0.15 or 15."""
 
 
 def given_values(texts: Sequence[str], material: str | None) -> Given:
@@ -68,15 +66,20 @@ def given_values(texts: Sequence[str], material: str | None) -> Given:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             problems.append(f"{text!r} is not of the form NAME=VALUE")
-        elif name not in SAMPLED_NAMES:
+            continue
+        known = known_quantity(name, SAMPLED_NAMES)
+        if known is None:
             unknown.append(name)
-        elif name in seen:
-            problems.append(f"{name} is given twice")
+        elif known[0] in seen:
+            problems.append(f"{known[0]} is given twice")
+        elif not value:
+            problems.append(f"{name} has no value")
         else:
-            seen.add(name)
+            quantity_name, unit = known
+            seen.add(quantity_name)
             try:
-                values[name] = parse_value(name, value)
-                origins[name] = COMMAND_LINE
+                values[quantity_name] = parse_value(quantity_name, value, unit)
+                origins[quantity_name] = COMMAND_LINE
             except ValueError as error:
                 problems.append(str(error))
     if unknown:
@@ -98,15 +101,9 @@ def _assignments(texts: Sequence[str]) -> list[str]:
 
 def _unknown(names: Sequence[str]) -> str:
     """Return one line on all names that are no quantities."""
-    shown = []
-    hinted = True
-    for name in names:
-        plain = name.lower().replace("-", "_").replace(" ", "_")
-        close = [SHORT_NAMES[plain]] if plain in SHORT_NAMES else []
-        close += difflib.get_close_matches(plain, SAMPLED_NAMES, 1, _ALIKE)
-        hinted = hinted and bool(close)
-        shown.append(f"{name} (did you mean {close[0]}?)" if close else name)
-    known = "" if hinted else f"; known are {', '.join(SAMPLED_NAMES)}"
+    hints = [hint_for(name, SAMPLED_NAMES) for name in names]
+    shown = [f"{name} ({hint})" if hint else name for name, hint in zip(names, hints, strict=True)]
+    known = "" if all(hints) else f"; known are {', '.join(SAMPLED_NAMES)}"
     plural = "no such quantity" if len(names) == 1 else "no such quantities"
     return f"{', '.join(shown)}: {plural}{known}"
 
@@ -125,15 +122,17 @@ def _particle_material(text: str) -> str:
 
 def confidence_level(text: str) -> float:
     """Return a level between 0 and 1 of a text such as "0.95", "95" or "95 %"."""
-    try:
-        number = float(text.strip().removesuffix("%"))
-    except ValueError:
-        raise PredictionError(f"--confidence {text}: is not a number") from None
-    if text.strip().endswith("%") or 1.0 < number < 100.0:
+    found = _LEVEL.fullmatch(text.strip())
+    if not found:
+        comma = ", with a decimal point instead of the comma" if "," in text else ""
+        raise PredictionError(f"--confidence {text}: is not a number{comma}")
+    number = float(text.strip().removesuffix("%"))
+    if found.group(2) or LEAST_PERCENT <= number < 100.0:
         number /= 100.0
     if not 0.0 < number < 1.0:
         raise PredictionError(
-            f"--confidence {text}: must lie between 0 and 1, or between 1 and 100 %"
+            f"--confidence {text}: must lie between 0 and 1, or between {LEAST_PERCENT:g} and 100, "
+            "in percent"
         )
     return number
 

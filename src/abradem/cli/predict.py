@@ -6,6 +6,7 @@ Single cases need only numpy and safetensors; pandas and pyarrow are imported fo
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -169,14 +170,21 @@ def default_model(config: Path = Path("config.yaml")) -> str:
     """Path, without suffix, of the surrogate of the study of a configuration."""
     import yaml
 
+    from abradem.config.scalars import STUDY_NAME
+
     try:
-        study = yaml.safe_load(config.read_text(encoding="utf-8"))["study"]
+        if not config.is_file():
+            raise FileNotFoundError
+        found = yaml.safe_load(config.read_text(encoding="utf-8"))
+        study = found["study"]
     except FileNotFoundError:
         raise PredictionError(
             "--model is not given, and there is no config.yaml here to take the study from"
         ) from None
-    except (yaml.YAMLError, UnicodeDecodeError, KeyError, TypeError):
-        raise PredictionError("--model is not given, and config.yaml names no study") from None
+    except (OSError, yaml.YAMLError, ValueError, RecursionError, KeyError, TypeError):
+        study = None
+    if not (isinstance(study, str) and re.fullmatch(STUDY_NAME[1:-1], study)):
+        raise PredictionError("--model is not given, and config.yaml names no study")
     return f"results/{study}/models/surrogate"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -10,18 +11,38 @@ import pandas as pd
 
 from abradem.cli.given_values import Given, value_text
 from abradem.cli.predict import depth_words, level_text, warn
+from abradem.dataset.known_names import normal
 from abradem.dataset.user_table import (
     UserTable,
     column_values,
+    expanded,
     find_columns,
+    plain_numbers,
+    read_as,
     read_user_table,
     similar_columns,
     table_suffix,
+    unused_columns,
 )
-from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES
+from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, quantity
 from abradem.store.files import TableError, replacing, write_text
 from abradem.surrogate.model import PredictionError, Surrogate
-from abradem.words.labels import wear_words
+from abradem.words.labels import LABELS, wear_words
+
+FROM_DERIVED = {
+    "particle_shear_modulus": (
+        "particle_youngs_modulus", "effective_youngs_modulus", "effective_shear_modulus",
+        "damping_coefficient",
+    ),
+    "equipment_shear_modulus": (
+        "equipment_youngs_modulus", "effective_youngs_modulus", "effective_shear_modulus",
+        "damping_coefficient",
+    ),
+    "particle_poisson_ratio": ("effective_youngs_modulus", "effective_shear_modulus"),
+    "equipment_poisson_ratio": ("effective_youngs_modulus", "effective_shear_modulus"),
+    "restitution": ("damping_ratio", "damping_coefficient"),
+}  # fmt: skip
+"""Derived quantities that would contradict a sampled one that is not in the same table."""
 
 
 def predict_table(
@@ -97,13 +118,12 @@ def predict_table(
 
 
 def _target(output: str, path: str) -> Path:
+    """Return where the output is written; refuse what is no place for a file of its own."""
     table_suffix(output)
-    target = Path(output).expanduser()
-    if (
-        target.exists()
-        and Path(path).expanduser().exists()
-        and target.samefile(Path(path).expanduser())
-    ):
+    target = expanded(output)
+    if target.is_symlink() or (target.exists() and not target.is_file()):
+        raise PredictionError(f"--output {output}: is a link, a folder or a device; name a file")
+    if target.exists() and target.samefile(expanded(path)):
         raise PredictionError(f"--output {output}: is the table itself; name another file")
     return target
 
@@ -130,25 +150,52 @@ def _values(table: UserTable, given: Given) -> dict[str, np.ndarray]:
         )
     for name in lacking:
         similar = similar_columns(table, name, taken)
-        if similar and name in given.values and len(lacking) < len(SAMPLED_NAMES):
+        if name not in given.values or len(lacking) == len(SAMPLED_NAMES):
+            continue
+        where = f"{name} would be taken from the {_origin(given, name)}"
+        contrary = [one for one in FROM_DERIVED.get(name, ()) if one in places]
+        if similar:
             problems.append(
                 f"column {' or '.join(map(repr, similar))} is unknown; rename it to {name} if that "
-                f"is meant, otherwise remove it, as {name} would be taken from the "
-                f"{_origin(given, name)}"
+                f"is meant ({_meaning(name)}), otherwise remove it, as {where}"
             )
-        elif name in given.values:
+        elif contrary:
+            problems.append(
+                f"column {places[contrary[0]].column!r} holds {contrary[0]}, but {where}; give "
+                f"{name} in the table or remove the column"
+            )
+        else:
             values[name] = np.full(len(table.frame), given.values[name])
     missing = [name for name in lacking if name not in given.values]
     if missing:
         problems.append(f"missing: {', '.join(missing)}")
     if problems:
         raise TableError("\n".join(f"{table.path}: {line}" for line in problems))
+    _say(table, places, taken)
     filled = [
         f"{value_text(name, given.values[name])} ({_origin(given, name)})" for name in lacking
     ]
     if filled:
         print(f"{table.path}: not in the table: {', '.join(filled)}", file=sys.stderr)
     return values
+
+
+def _say(table: UserTable, places, taken: list[str]) -> None:
+    """Say which columns were read as something else than their name, and which were not used."""
+    sampled = {name: place for name, place in places.items() if name in SAMPLED_NAMES}
+    if renamed := read_as(sampled):
+        print(f"{table.path}: read {renamed}", file=sys.stderr)
+    if "particle_radius" in sampled and "size" in normal(sampled["particle_radius"].column):
+        print(f"{table.path}: the size is read as the radius", file=sys.stderr)
+    if unused := unused_columns(table, taken):
+        print(f"{table.path}: not used: {', '.join(map(repr, unused))}", file=sys.stderr)
+
+
+def _meaning(name: str) -> str:
+    unit = quantity(name).unit
+    words = LABELS[name].long_name
+    half = ", half of the diameter" if name == "particle_radius" else ""
+    return f"{words}{half}{'' if unit == '1' else f', {unit}'}"
 
 
 def _origin(given: Given, name: str) -> str:
@@ -183,17 +230,33 @@ def _write_parquet(table: UserTable, columns: dict, path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    added = pd.DataFrame({name: values for name, (values, _, _) in columns.items()})
-    arrow = pa.Table.from_pandas(
-        pd.concat([table.frame, added], axis=1), preserve_index=False
-    ).replace_schema_metadata(None)
-    fields = []
-    for field in arrow.schema:
-        if field.name in columns:
-            _, unit, words = columns[field.name]
-            field = field.with_metadata({"units": unit, "long_name": words})
-        elif field.name in table.units:
-            field = field.with_metadata({"units": table.units[field.name]})
-        fields.append(field)
+    arrays, fields = [], []
+    for name in table.frame.columns:
+        try:
+            array = pa.array(_as_numbers(table, name), from_pandas=True)
+        except pa.ArrowException as error:
+            reason = str(error).splitlines()[0]
+            raise TableError(
+                f"{table.path}: column {name!r} cannot be written as Parquet ({reason}); remove "
+                "it or write .csv"
+            ) from None
+        unit = table.units.get(name)
+        arrays.append(array)
+        fields.append(pa.field(name, array.type, metadata={"units": unit} if unit else None))
+    for name, (values, unit, words) in columns.items():
+        arrays.append(pa.array(values))
+        metadata = {"units": unit, "long_name": words}
+        fields.append(pa.field(name, pa.float64(), metadata=metadata))
     with replacing(path) as sink:
-        pq.write_table(arrow.cast(pa.schema(fields)), sink, write_page_checksum=True)
+        pq.write_table(pa.table(arrays, schema=pa.schema(fields)), sink, write_page_checksum=True)
+
+
+def _as_numbers(table: UserTable, name: str) -> pd.Series:
+    """Return a column of a CSV table as numbers if all its cells are; others as they are."""
+    cells = table.frame[name]
+    if not table.separator:
+        return cells
+    numbers, bad = plain_numbers(cells)
+    # "007" is no number but a name.
+    names = any(re.match(r"\s*[-+]?0[0-9]", cell) for cell in cells)
+    return cells if bad.any() or names else pd.Series(numbers)

@@ -24,13 +24,9 @@ from pydantic import (
 from abradem import quantities
 from abradem.config.batches import batches_of_block
 from abradem.config.quantity_texts import of_material, read_quantity
-from abradem.config.scalars import number_meant, written, yaml_float
+from abradem.config.scalars import STUDY_NAME, number_meant, written, yaml_float
 from abradem.quantities import SAMPLED, STATISTICS, WEAR_MEASURES, Quantity
 from abradem.words.labels import LABELS
-
-STUDY_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
-"""The name of a study is a folder under results/, so separators, dots and blanks are excluded."""
-
 
 _URL = r"^https://[A-Za-z0-9._~:/?#\[\]@!$&'()*+,;=%-]+$"
 """An address in the characters of RFC 3986; others are written as %XX."""

@@ -16,6 +16,9 @@ from collections.abc import Collection
 from decimal import Decimal
 from typing import Any
 
+STUDY_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
+"""The name of a study is a folder under results/, so separators, dots and blanks are excluded."""
+
 _PLAIN_WHOLE = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 _PLAIN_NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 _WITH_BASE = re.compile(r"[-+]?0[xXoObB][0-9a-fA-F_]+")

@@ -18,8 +18,8 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset.features import contact_damping, derive
+from abradem.dataset.known_names import PUBLISHED_NAMES
 from abradem.dataset.user_table import (
-    PUBLISHED_NAMES,
     capped,
     column_values,
     find_columns,

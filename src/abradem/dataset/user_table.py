@@ -10,7 +10,6 @@ counted from 1, without the header and without blank lines.
 from __future__ import annotations
 
 import csv
-import difflib
 import io
 import re
 import stat
@@ -23,53 +22,25 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from abradem.dataset.known_names import PUBLISHED_NAMES, may_mean, names_of, normal
 from abradem.quantities import TARGET, quantity
 from abradem.store.columns import COLUMNS
 from abradem.store.files import TableError
 from abradem.units import UnitError, conversion, convert, parse_quantity, parse_unit
-
-PUBLISHED_NAMES = {
-    "particle_youngs_modulus": "Young's Modulus (Material)",
-    "particle_shear_modulus": "Shear Modulus (Material)",
-    "particle_poisson_ratio": "Poisson's Ratio (Material)",
-    "particle_density": "Density (Material)",
-    "equipment_youngs_modulus": "Young's Modulus (Equipment)",
-    "equipment_shear_modulus": "Shear Modulus (Equipment)",
-    "equipment_poisson_ratio": "Poisson's Ratio (Equipment)",
-    "equipment_density": "Density (Equipment)",
-    "restitution": "Coefficient of Restitution (Interaction)",
-    "rolling_friction": "Coefficient of Rolling Friction (Interaction)",
-    "static_friction": "Coefficient of Static Friction (Interaction)",
-    "archard_constant": "Archard Wear Constant",
-    "plate_angle": "Plate Angle",
-    "factory_angle": "Factory Angle",
-    "particle_radius": "Particle Size",
-    "particle_velocity_y": "Factory Z Velocity",
-    "effective_youngs_modulus": "Equivalent Young's Modulus (E*)",
-    "effective_shear_modulus": "Equivalent Shear Modulus (G*)",
-    "damping_ratio": "Logarithmic Damping Ratio (ξ)",
-    "damping_coefficient": "Damping Coefficient (η)",
-    TARGET.name: "Wear Rate",
-}
-"""Columns of the published table of the paper. Its particle size is the radius, m."""
 
 MOST_LINES = 20
 """Largest number of bad rows that are reported individually."""
 
 SEPARATORS = {",": "a comma", ";": "a semicolon", "\t": "a tab", "|": "a bar"}
 
-_ALIKE = 0.8
-"""Similarity of two names (Ratcliff and Obershelp) from which one may be meant by the other."""
-
-_GENERAL = {"particle", "equipment", "plate", "factory", "material", "interaction", "coefficient",
-            "of", "wear"}  # fmt: skip
-"""Words that alone do not tell which quantity a column is meant for."""
-
 _NAME_AND_UNIT = re.compile(
     r"(.*\S)\s*(?:\[([^\[\]]*)\]|\(([^()]*(?:\([^()]*\))?[^()]*)\))", re.DOTALL
 )
 _PLAIN_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
-_DECIMAL_COMMA = re.compile(r"\s*[+-−]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?\s*(?:[^0-9,.\s][^,]*)?")
+_NAME_THEN_UNIT = re.compile(r"(.*\S)(?:\s*/\s*|\s*,\s*|\s+in\s+)(\S.*)", re.DOTALL)
+_DECIMAL_COMMA = re.compile(r"\s*[-+−]?[0-9]*,[0-9]+(?:[eE][-+−]?[0-9]+)?(?![0-9,.])")
+_DECIMAL_POINT = re.compile(r"\s*[-+−]?[0-9]*\.[0-9]+")
+_THOUSANDS = re.compile(r"\s*[-+−]?[1-9][0-9]{0,2},[0-9]{3}(?![0-9,.])")
 _ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*://")
 
 
@@ -83,11 +54,14 @@ class UserTable(NamedTuple):
         Columns with stripped names, each once; text (CSV) or the types of the Parquet file.
     units : dict of str to str
         Units in the metadata of Parquet fields.
+    separator : str
+        Of a CSV table, otherwise "". Only where it is no comma, a number may have a decimal comma.
     """
 
     path: Path
     frame: pd.DataFrame
     units: dict[str, str]
+    separator: str = ""
 
 
 class Found(NamedTuple):
@@ -95,6 +69,26 @@ class Found(NamedTuple):
 
     column: str
     unit: str | None
+
+
+def expanded(path: str | Path) -> Path:
+    """Return a path with ``~`` expanded.
+
+    Raises
+    ------
+    TableError
+        If it is an address, has control characters, or names a user that does not exist.
+    """
+    text = str(path)
+    # Path("http://x") has a single slash.
+    if _ADDRESS.match(text) or re.match(r"(?:https?|ftp|s3|file):/", text):
+        raise TableError(f"{text}: is an address, not a file on this machine")
+    if any(ord(mark) < 32 or ord(mark) == 127 for mark in text):
+        raise TableError(f"{text!r}: the path contains a control character")
+    try:
+        return Path(text).expanduser()
+    except RuntimeError as error:  # no such user
+        raise TableError(f"{text}: {error}") from None
 
 
 def local_file(path: str | Path) -> Path:
@@ -106,15 +100,7 @@ def local_file(path: str | Path) -> Path:
         If it is an address, or there is no regular file.
     """
     text = str(path)
-    # Path("http://x") has a single slash.
-    if _ADDRESS.match(text) or re.match(r"(?:https?|ftp|s3|file):/", text):
-        raise TableError(f"{text}: is an address, and nothing is fetched; download the file")
-    if any(ord(mark) < 32 or ord(mark) == 127 for mark in text):
-        raise TableError(f"{text!r}: the path contains a control character")
-    try:
-        found = Path(text).expanduser()
-    except RuntimeError as error:  # no such user
-        raise TableError(f"{text}: {error}") from None
+    found = expanded(text)
     try:
         mode = found.stat().st_mode
     except FileNotFoundError:
@@ -153,25 +139,37 @@ def read_user_table(path: str | Path) -> UserTable:
     """
     suffix = table_suffix(path)
     file = local_file(path)
+    separator = ""
     if suffix == ".parquet":
-        from abradem.store.tables import read_table, read_units
+        from abradem.store.tables import range_index, read_table, read_units
 
         frame = read_table(file)
-        units = {name.strip(): unit for name, unit in read_units(file).items() if unit}
+        units = {_clean(name): unit for name, unit in read_units(file).items() if unit}
+        if lost := range_index(file):
+            raise TableError(
+                f"{path}: its index {lost!r} is in the metadata for pandas alone; write it as a "
+                "column (reset_index)"
+            )
     else:
-        frame, units = _read_csv(file), {}
+        frame, separator = _read_csv(file)
+        units = {}
     # Names as text, because a Parquet file can be of any origin.
-    frame.columns = pd.Index([str(name).strip() for name in frame.columns], dtype=object)
+    frame.columns = pd.Index([_clean(str(name)) for name in frame.columns], dtype=object)
     twice = [repr(name) for name, count in Counter(frame.columns).items() if count > 1]
     if twice:
         raise TableError(f"{path}: column {', '.join(twice)} appears twice")
     if not len(frame):
         raise TableError(f"{path}: holds no rows")
-    return UserTable(Path(path), frame.reset_index(drop=True), units)
+    return UserTable(Path(path), frame.reset_index(drop=True), units, separator)
 
 
-def _read_csv(path: Path) -> pd.DataFrame:
-    """Return the table as text, every row as wide as the header."""
+def _clean(name: str) -> str:
+    """Return a name without blanks around it and without characters that are not seen."""
+    return re.sub("[\u200b-\u200f\u2060\ufeff]", "", name).strip()
+
+
+def _read_csv(path: Path) -> tuple[pd.DataFrame, str]:
+    """Return the table as text, every row as wide as the header, and its separator."""
     content = path.read_bytes()
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise TableError(f"{path}: is UTF-16 text; save it as UTF-8")
@@ -181,28 +179,40 @@ def _read_csv(path: Path) -> pd.DataFrame:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise TableError(f"{path}: not a CSV table ({error})") from None
-    separator, header, rows = _rows(path, text)
+    # The first line by which Excel says how columns are separated.
+    said = re.match(r"sep=(.)\r?\n", text)
+    if said:
+        text = text[said.end() :]
+    separator, header, rows = _rows(path, text, said.group(1) if said else SEPARATORS)
     for number, row in enumerate(rows, start=1):
         if len(row) != len(header):
             raise TableError(
                 f"{path}: row {number} has {len(row)} cells, the header has {len(header)} "
                 f"(separated by {SEPARATORS[separator]})"
             )
-    if separator != "," and any(_DECIMAL_COMMA.fullmatch(cell) for row in rows for cell in row):
-        rows = _with_points(path, header, rows)
-    columns = list(zip(*rows, strict=True)) or [()] * len(header)
-    frame = pd.DataFrame({place: list(cells) for place, cells in enumerate(columns)}, dtype=object)
-    return frame.set_axis(header, axis=1)
+    columns = [list(cells) for cells in zip(*rows, strict=True)] or [[] for _ in header]
+    # Columns without a name and without a value, from separators at the end of the lines.
+    kept = [
+        place
+        for place, name in enumerate(header)
+        if _clean(name) or any(cell.strip() for cell in columns[place])
+    ]
+    frame = pd.DataFrame({place: columns[place] for place in kept}, dtype=object)
+    return frame.set_axis([header[place] for place in kept], axis=1), separator
 
 
-def _rows(path: Path, text: str) -> tuple[str, list[str], list[list[str]]]:
+def _rows(
+    path: Path, text: str, separators: Iterable[str]
+) -> tuple[str, list[str], list[list[str]]]:
     """Return the separator, the names and the rows of a text, without blank lines.
 
     The separator is the one with which all rows have as many cells as the header. If there is
     none, it is the one that gives the most names, and a row is refused later.
     """
     tried = []
-    for separator in SEPARATORS:
+    for separator in separators:
+        if separator not in SEPARATORS:
+            raise TableError(f"{path}: separator {separator!r} is unknown (allowed , ; tab |)")
         lines = csv.reader(
             io.StringIO(text, newline=""), delimiter=separator, strict=True, skipinitialspace=True
         )
@@ -222,30 +232,6 @@ def _rows(path: Path, text: str) -> tuple[str, list[str], list[list[str]]]:
         both = " or ".join(SEPARATORS[one[0]] for one in even)
         raise TableError(f"{path}: the columns may be separated by {both}; use commas")
     return (even or sorted(many, key=lambda one: -len(one[1])) or tried)[0]
-
-
-def _with_points(path: Path, header: list[str], rows: list[list[str]]) -> list[list[str]]:
-    """Return rows with decimal points in the columns that have decimal commas."""
-    rows = [list(row) for row in rows]
-    for place, name in enumerate(header):
-        cells = [row[place] for row in rows]
-        with_comma = [bool(_DECIMAL_COMMA.fullmatch(cell)) for cell in cells]
-        if not any(with_comma):
-            continue
-        for number, (cell, comma) in enumerate(zip(cells, with_comma, strict=True), start=1):
-            if comma:
-                rows[number - 1][place] = cell.replace(",", ".", 1)
-            elif "," in cell or re.search(r"[0-9]\.[0-9]", cell):
-                raise TableError(
-                    f"{path}: row {number}: column {name.strip()!r} = {cell!r} mixes decimal "
-                    "commas with points or separators of thousands"
-                )
-    return rows
-
-
-def normal(name: str) -> str:
-    """Return a name without case, with one underscore between its words."""
-    return re.sub(r"[\s_.-]+", "_", name.strip().lower()).strip("_")
 
 
 def find_columns(
@@ -285,7 +271,7 @@ def find_columns(
             if column not in table.frame:
                 problems[name] = f"lacks column {column!r}, which {name} is mapped to"
                 continue
-            here = [Found(column, unit or _unit_in(column))]
+            here = [Found(column, unit)]
         else:
             here = _candidates(name, places)
         if not here:
@@ -308,13 +294,43 @@ def find_columns(
             problems[name] = f"column {one.column!r}, for {name}: {problem}"
             continue
         found[name] = Found(one.column, unit)
-    return found, problems
+    unclear = _mixed_marks(table, found)
+    return {name: one for name, one in found.items() if name not in unclear}, problems | unclear
+
+
+def _mixed_marks(table: UserTable, found: Mapping[str, Found]) -> dict[str, str]:
+    """Return a line for each quantity whose decimal mark is not clear, in a table without commas
+    between its columns."""
+    if table.separator in ("", ","):
+        return {}
+    with_comma, with_point, problems = [], [], {}
+    for name, one in found.items():
+        cells = [cell for cell in table.frame[one.column] if isinstance(cell, str)]
+        commas = [cell for cell in cells if _DECIMAL_COMMA.match(cell)]
+        if commas and all(_THOUSANDS.match(cell) for cell in commas):
+            first = commas[0].strip()
+            problems[name] = (
+                f"column {one.column!r}: {first!r} may have a decimal comma or a separator of "
+                f"thousands; write {first.replace(',', '.')} or {first.replace(',', '')}"
+            )
+        if commas:
+            with_comma.append(name)
+        if any(_DECIMAL_POINT.match(cell) for cell in cells):
+            with_point.append(name)
+    if with_comma:
+        for name in with_point:
+            problems[name] = (
+                f"column {found[name].column!r} mixes decimal commas with points or separators of "
+                f"thousands (column {found[with_comma[0]].column!r} has decimal commas)"
+            )
+    return problems
 
 
 def _unit(table: UserTable, name: str, found: Found) -> tuple[str | None, str]:
     """Return the unit of a column, or None for that of the quantity, and the problem or ""."""
     ours = COLUMNS[name].unit
-    given = [unit for unit in (found.unit, table.units.get(found.column)) if unit is not None]
+    said = (found.unit, _unit_in(found.column), table.units.get(found.column))
+    given = list(dict.fromkeys(unit for unit in said if unit is not None))
     try:
         factors = {conversion(unit, ours) for unit in given}
     except UnitError as error:
@@ -332,6 +348,9 @@ def _readings(column: str) -> list[tuple[str, str | None]]:
         name, square, round_ = split.groups()
         if square is not None or _is_unit(round_):
             readings.append((normal(name), (round_ if square is None else square).strip() or "1"))
+    split = _NAME_THEN_UNIT.fullmatch(column)
+    if split and _is_unit(split.group(2)):
+        readings.append((normal(split.group(1)), split.group(2).strip()))
     return readings
 
 
@@ -349,45 +368,54 @@ def _unit_in(column: str) -> str | None:
     return units[0] if units else None
 
 
-def _names(name: str) -> dict[str, str | None]:
-    """Return the normal names under which a quantity is known, each with its unit or None."""
-    names: dict[str, str | None] = {normal(name): None}
-    if name in PUBLISHED_NAMES:
-        published = PUBLISHED_NAMES[name]
-        names[normal(published)] = None
-        names[normal(published.removesuffix(" (Interaction)"))] = None
-        row = quantity(name)
-        if name != TARGET.name:
-            names[normal(row.symbol)] = None
-        if row.config_suffix:
-            names[normal(row.config_key)] = row.config_unit
-    return names
-
-
 def _candidates(name: str, places: Mapping[str, list[Found]]) -> list[Found]:
     """Return the columns that may hold a quantity, each once."""
     here: dict[str, Found] = {}
-    for key, own_unit in _names(name).items():
+    for key, own_unit in names_of(name).items():
         for one in places.get(key, ()):
             here.setdefault(one.column, Found(one.column, one.unit or own_unit))
+    if name in PUBLISHED_NAMES and name != TARGET.name:
+        symbol = quantity(name).symbol
+        for one in places.get(normal(symbol), ()):
+            # As it is written: x4 may be a coordinate.
+            if one.column.startswith(symbol):
+                here.setdefault(one.column, one)
     return list(here.values())
 
 
 def similar_columns(table: UserTable, name: str, taken: Iterable[str]) -> list[str]:
     """Return the columns, other than those ``taken``, that may be meant for a quantity."""
-    known = list(_names(name))
-    words = [set(one.split("_")) - _GENERAL for one in known]
-
-    def may_mean(key: str) -> bool:
-        own = set(key.split("_")) - _GENERAL
-        shared = any(own and one and (own <= one or one <= own) for one in words)
-        return shared or bool(difflib.get_close_matches(key, known, 1, _ALIKE))
-
     taken = set(taken)
     return [
         column
         for column in table.frame.columns
-        if column not in taken and any(may_mean(key) for key, _ in _readings(column) if key)
+        if column not in taken and any(may_mean(key, name) for key, _ in _readings(column))
+    ]
+
+
+def read_as(places: Mapping[str, Found]) -> str:
+    """Return which columns were read as which quantity, where the name is not that of it."""
+    return ", ".join(
+        f"{one.column!r} as {name}"
+        for name, one in places.items()
+        if normal(one.column) not in (normal(name), "")
+    )
+
+
+def unused_columns(table: UserTable, taken: Iterable[str]) -> list[str]:
+    """Return the columns that hold numbers or name a unit, but were not read as a quantity."""
+    taken = set(taken)
+    return [
+        column
+        for column in table.frame.columns
+        if column
+        and column not in taken
+        and column != "case_id"
+        and (
+            column in table.units
+            or _unit_in(column) is not None
+            or not plain_numbers(table.frame[column])[1].any()
+        )
     ]
 
 
@@ -403,6 +431,10 @@ def column_values(table: UserTable, name: str, found: Found) -> tuple[np.ndarray
     """
     ours = COLUMNS[name].unit
     cells = table.frame[found.column]
+    if table.separator not in ("", ","):
+        cells = cells.map(
+            lambda cell: cell.replace(",", ".", 1) if _DECIMAL_COMMA.match(cell) else cell
+        )
     values, bad = plain_numbers(cells)
     reasons: dict[int, str] = {}
     if found.unit is not None:
@@ -410,6 +442,10 @@ def column_values(table: UserTable, name: str, found: Found) -> tuple[np.ndarray
     for row in np.flatnonzero(bad):
         cell = cells.iloc[row]
         if not isinstance(cell, str):
+            reasons[int(row)] = _no_number(cell)
+            continue
+        if not cell.strip():
+            reasons[int(row)] = "is empty"
             continue
         try:
             values[row] = parse_quantity(cell, ours, found.unit or ours)
@@ -422,11 +458,28 @@ def column_values(table: UserTable, name: str, found: Found) -> tuple[np.ndarray
         first = f"first {cells.iloc[0]!r} {reason}"
         return values, [f"column {found.column!r}: contains no numbers ({first})"]
     lines = [
-        f"row {row + 1}: {found.column} = {cells.iloc[row]!r} "
+        f"row {row + 1}: {found.column} {_shown(cells.iloc[row])}"
         f"{reasons.get(int(row), 'is not a finite number')}"
         for row in rows
     ]
     return values, capped(lines)
+
+
+def _shown(cell) -> str:
+    """Return "= value " of a cell, or "" if it is empty."""
+    if cell is None or (isinstance(cell, float) and np.isnan(cell)) or cell == "":
+        return ""
+    text = repr(cell.item() if isinstance(cell, np.generic) else cell)
+    return f"= {text if len(text) <= 60 else text[:56] + ' ...'} "
+
+
+def _no_number(cell) -> str:
+    """Return why a cell that is no text is no finite number."""
+    if cell is None or (isinstance(cell, (float, np.floating)) and np.isnan(cell)):
+        return "is empty"
+    if isinstance(cell, (list, dict, np.ndarray)):
+        return "is a list, not a number"
+    return "is not a finite number"
 
 
 def plain_numbers(cells: pd.Series) -> tuple[np.ndarray, np.ndarray]:
@@ -471,10 +524,13 @@ def repeated_rows(columns: Mapping[str, np.ndarray]) -> str:
         return ""
     groups.sort()
     count = sum(map(len, groups))
-    shown = ", ".join("+".join(map(str, rows[:6])) for rows in groups[:5])
+    shown = ", ".join(
+        "+".join(map(str, rows[:6])) + ("+..." if len(rows) > 6 else "") for rows in groups[:5]
+    )
     more = f" and {len(groups) - 5} more groups" if len(groups) > 5 else ""
     return (
-        f"{count} rows repeat the quantities of another, in {len(groups)} groups "
+        f"{count} rows repeat the quantities of another, in {len(groups)} "
+        f"group{'' if len(groups) == 1 else 's'} "
         f"(rows {shown}{more})"
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -89,7 +90,8 @@ def read_table(path: str | Path, columns: Iterable[str] | None = None) -> pd.Dat
     table = table if columns is None else table.select(columns)
     table = table.replace_schema_metadata(None)
     try:
-        return table.to_pandas(ignore_metadata=True)
+        # Whole numbers with gaps stay whole, as objects.
+        return table.to_pandas(ignore_metadata=True, integer_object_nulls=True)
     except Exception as error:
         # Arrow, pandas and the modules of time zones raise errors of many types.
         raise unreadable(path, "Parquet", error, _unconvertible(table)) from None
@@ -123,16 +125,41 @@ def read_columns(path: str | Path) -> list[StoredColumn]:
             StoredColumn(
                 field.name,
                 str(field.type),
-                *(
-                    (field.metadata or {}).get(key, b"").decode("utf-8")
-                    for key in (b"units", b"long_name")
-                ),
+                _metadata(field, UNIT_KEYS),
+                _metadata(field, ("long_name",)),
             )
             for field in schema
         ]
     except Exception as error:
         # A name or a unit that is not UTF-8 raises only when it is accessed.
         raise unreadable(path, "Parquet", error) from None
+
+
+UNIT_KEYS = ("units", "unit", "uom")
+"""Keys of the metadata of a field that name its unit, whatever their case; ours is the first."""
+
+
+def _metadata(field: pa.Field, keys: Iterable[str]) -> str:
+    """Return the first value with one of these keys, or ""."""
+    found = {
+        key.decode("utf-8").lower(): value.decode("utf-8")
+        for key, value in (field.metadata or {}).items()
+        if key.decode("utf-8", "replace").lower() in keys
+    }
+    return next((found[key] for key in keys if key in found), "")
+
+
+def range_index(path: str | Path) -> str:
+    """Return the name of an index that only the metadata for pandas hold, or ""."""
+    try:
+        with open(path, "rb") as source:
+            metadata = pq.read_schema(source).metadata or {}
+        indexes = json.loads(metadata.get(b"pandas", b"{}")).get("index_columns", [])
+        names = [one.get("name") for one in indexes if isinstance(one, dict)]
+    except Exception:
+        # Metadata of any content are not obeyed.
+        return ""
+    return next((str(name) for name in names if name), "")
 
 
 def read_units(path: str | Path) -> dict[str, str]:

@@ -225,7 +225,7 @@ class Surrogate:
         wrong = ~(np.isfinite(rate) & (rate > 0.0))
         if wrong.any():
             place = int(np.argmax(wrong))
-            where = "" if rows == 1 else f" in row {place}"
+            where = "" if rows == 1 else f" in row {place + 1}"
             raise PredictionError(
                 f"the surrogate gives a wear depth rate of {rate[place]:g} mm/s{where}: the values "
                 "are too far from those that it was trained with, or it is damaged"
@@ -263,7 +263,9 @@ class Surrogate:
                 continue
             row, count = quantity(name), int(beyond.sum())
             unit = "" if row.unit == "1" else f" {row.unit}"
-            shown = f"{name} = {column[np.argmax(beyond)]:g}{unit}"
+            place = int(np.argmax(beyond))
+            where = "" if len(column) == 1 else f" in row {place + 1}"
+            shown = f"{name} = {column[place]:g}{unit}{where}"
             more = "" if count == 1 else f" (and {count - 1} more)"
             if fixed:
                 lines.append(
@@ -336,8 +338,8 @@ def conformal_quantile(ordered: np.ndarray, confidence: float) -> float:
     """
     count = len(ordered)
     # (n + 1) n / (n + 1) need not be n exactly.
-    rank = int(np.ceil((count + 1) * confidence - 1e-9))
-    if not 1 <= rank <= count:
+    rank = max(1, int(np.ceil((count + 1) * confidence - 1e-9)))
+    if not (confidence > 0.0 and rank <= count):
         raise ValueError(
             f"confidence = {confidence!r} is not above 0 and at most {highest_level(count):.4g}, "
             f"which {count} scores can promise"
@@ -364,9 +366,10 @@ def _columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
             place = int(np.argmax(wrong))
             unit = "" if row.unit == "1" else f" {row.unit}"
             where = "" if len(column) == 1 else f" in row {place + 1}"
+            sense = "; down is negative" if row.name == "particle_velocity_y" else ""
             problems.append(
                 f"{row.name} = {column[place]:g}{unit}{where} is impossible "
-                f"(allowed {low:g} ... {high:g}{unit})"
+                f"(allowed {low:g} ... {high:g}{unit}{sense})"
             )
         columns[row.name] = column
     if problems:
