@@ -97,8 +97,9 @@ def test_each_bad_row_is_one_line(published):
     table.loc[7, "Coefficient of Restitution (Interaction)"] = 1.2
     table.loc[9, "Wear Rate"] = -0.1
     assert refused(table, path) == [
-        "row 8: restitution = 1.2 must lie in [0.05, 1] 1",
-        "row 10: wear_total_mean = -0.1 mm/s must be positive",
+        "row 8: restitution (column 'Coefficient of Restitution (Interaction)') = 1.2 must lie in "
+        "[0.05, 1] 1",
+        "row 10: wear_total_mean (column 'Wear Rate') = -0.1 mm/s must be positive",
     ]
 
 
@@ -113,7 +114,9 @@ def test_a_wrong_unit_is_one_line(published):
     table, path = published
     table["Particle Size"] *= 1e3
     (line,) = refused(table, path)
-    assert line.startswith("column particle_radius: all 30 values are out of limits")
+    assert line.startswith(
+        "column particle_radius (column 'Particle Size'): all 30 values are out of"
+    )
     assert line.endswith("must lie in [0.0001, 0.1] m; give its unit with dataset.columns")
     table["Particle Size"] /= 1e3
     table["Young's Modulus (Material)"] /= 1e9

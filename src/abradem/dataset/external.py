@@ -20,6 +20,7 @@ import pandas as pd
 from abradem.dataset.features import contact_damping, derive
 from abradem.dataset.known_names import PUBLISHED_NAMES
 from abradem.dataset.user_table import (
+    Found,
     capped,
     column_values,
     find_columns,
@@ -105,7 +106,7 @@ def read_external(
         problems.append(f"{path}: {problem}")
     if problems:
         raise TableError("\n".join(problems))
-    problems = [f"{path}: {line}" for line in _bad_rows(found)]
+    problems = [f"{path}: {line}" for line in _bad_rows(found, places)]
     if problems:
         raise TableError("\n".join(problems))
 
@@ -138,7 +139,7 @@ def _keys(table: pd.DataFrame) -> tuple[np.ndarray, str]:
     return values.astype(np.int64), ""
 
 
-def _bad_rows(found: dict[str, np.ndarray]) -> list[str]:
+def _bad_rows(found: dict[str, np.ndarray], places: Mapping[str, Found]) -> list[str]:
     """Return lines on values outside the physical limits, and on wear that is not positive."""
     lines = []
     for name, values in found.items():
@@ -154,13 +155,14 @@ def _bad_rows(found: dict[str, np.ndarray]) -> list[str]:
             bad, law, unit = np.flatnonzero(values < 0.0), "must not be negative", " mm/s"
         else:
             continue
+        named = "" if places[name].column == name else f" (column {places[name].column!r})"
         if len(bad) > 1 and len(bad) == len(values):
             lines.append(
-                f"column {name}: all {len(values)} values are out of limits (first "
+                f"column {name}{named}: all {len(values)} values are out of limits (first "
                 f"{values[0]:g}{unit}), {law}; give its unit with dataset.columns"
             )
         else:
-            lines += [f"row {at + 1}: {name} = {values[at]:g}{unit} {law}" for at in bad]
+            lines += [f"row {at + 1}: {name}{named} = {values[at]:g}{unit} {law}" for at in bad]
     return capped(lines)
 
 
