@@ -311,7 +311,7 @@ def test_files_for_paraview_are_made_on_demand(project):
 # Jobs that rerun after an edit of the code
 
 
-WORDS = {**FIGURES, **each("latex", "findings")}
+WORDS = {**FIGURES, **each("latex", "findings", "summary")}
 """What shows labels of quantities, groups, models or protocols."""
 
 SOURCES = "src/abradem"

@@ -2,15 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-import numpy as np
-
-from abradem.learning.number_text import LARGEST
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 TABLES: dict[str, str] = {
     "linear_coefficients": "Coefficients of the linear regression between standardised features "
     "and target, with standard errors and intervals.",
@@ -40,16 +31,3 @@ TABLES: dict[str, str] = {
     "inconsistent or ended early, with the reasons.",
 }
 """Caption of each table, by its name, in the order of the report."""
-
-
-def readable(table: pd.DataFrame) -> pd.DataFrame:
-    """A table as its text is written: cells without a number are empty.
-
-    These are missing numbers, and numbers without bound, such as the variance inflation of a
-    feature that others determine.
-    """
-    shown = table.copy()
-    for name in shown.columns[shown.dtypes == "float64"]:
-        values = shown[name].to_numpy()
-        shown[name] = np.where(np.abs(values) <= LARGEST, values, np.nan)
-    return shown

@@ -4,7 +4,7 @@ from abradem.running.job_log import start_job
 
 start_job(snakemake)
 
-from abradem.report.tables import readable
+from abradem.report.readable import readable
 from abradem.store.files import write_csv
 from abradem.store.tables import read_table
 
