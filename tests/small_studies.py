@@ -52,8 +52,8 @@ from abradem.learning.physical.sensitivity import (
 from abradem.learning.rows import learning_table
 from abradem.report import latex
 from abradem.report.findings import findings, to_html
-from abradem.report.summary import study_summary
 from abradem.report.readable import readable
+from abradem.report.summary import study_summary
 from abradem.report.tables import TABLES
 from abradem.store.files import write_json
 from abradem.surrogate.groups import Jet
