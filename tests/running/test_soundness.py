@@ -1,5 +1,7 @@
 """Damage of any kind of result is found, named and healed by one command."""
 
+import json
+import os
 import shutil
 import struct
 from pathlib import Path
@@ -13,7 +15,7 @@ from abradem.cli.main import main
 from abradem.figures.style import save
 from abradem.running.outputs import job_of, record_outputs
 from abradem.running.soundness import CHECKS, examine, fault_of_format
-from abradem.store.checksums import damage, record_path, recorded, study_of
+from abradem.store.checksums import damage, record_path, recorded, remedy, study_of
 from abradem.store.files import write_arrays, write_csv, write_json, write_text
 from abradem.store.locks import lock_of_study
 from abradem.store.tables import write_table
@@ -43,6 +45,7 @@ def make(study):
     (study / "movie" / "wear.mp4").write_bytes(film)
     for name in ("particles_0.vtp", "particles_1.vtp", "plate.pvd"):
         write_text("<VTKFile>\n<P/>\n</VTKFile>\n", study / "vtk" / "typical" / name)
+    write_json({"cases": 3}, study / "runs" / "a.json")
     write_text("s\th:m:s\n2.5\t0:00:02\n", study / "benchmarks" / "simulate" / "a.tsv")
 
 
@@ -51,6 +54,7 @@ JOBS = {
     "linear": ["learning/linear.json", "learning/linear.safetensors"],
     "figure_maps": ["figures/maps.png", "figures/maps.pdf", "figures/maps.svg"],
     "vtk/typical": ["vtk/typical"],
+    "simulate/a": ["runs/a.json"],
     "others": ["tables/scores.csv", "latex/models.tex", "models/findings.html", "config.yaml",
                "publish/README.md", "movie/wear.mp4"],
 }  # fmt: skip
@@ -222,12 +226,191 @@ def test_while_a_run_is_at_work_the_doctor_waits_for_its_end(study, capsys):
 
 
 @pytest.mark.parametrize("name", ["results/none", "results/a/config.yaml"])
-def test_what_is_no_study_is_one_line(study, capsys, name):
+def test_what_is_no_folder_is_one_line(study, capsys, name):
     code, (line,) = doctor(capsys, name)
     assert code == 2 and line.startswith(f"{name}: there is no such folder")
+
+
+@pytest.mark.parametrize(
+    "name", [".", "/", "..", "/usr", "results", "results/empty", "results/bare", "data", "named"]
+)
+def test_what_is_no_study_is_one_line(study, capsys, name):
     Path("results/empty").mkdir()
-    code, (line,) = doctor(capsys, "results/empty")
-    assert code == 2 and line == "results/empty: holds no results of a study"
+    make(Path("results/bare"))
+    # A user's own data beside checksums of another program, with a config.yaml of another program.
+    for folder in ("data", "named"):
+        write_text("a,b\n1", Path(folder, "mine.csv"))
+        write_text(f"{'0' * 64}  mine.csv\n", record_path(Path(folder), "mine.csv"))
+    write_text("study: mine\n", Path("named/config.yaml"))
+    for options in ([], ["--delete"]):
+        code, (line,) = doctor(capsys, name, *options)
+        assert code == 2
+        assert line.startswith(f"{name}: is not the folder of a study")
+        assert line.endswith("; give one such as results/paper")
+    assert Path("data/mine.csv").exists() and Path("named/mine.csv").exists()
+    for path in (Path("data/mine.csv"), Path("named/mine.csv")):
+        assert damage(path) is None and remedy(path) == "" and study_of(path) is None
+
+
+@pytest.mark.parametrize("inside", ["models", "learning", "vtk/typical", "checksums", "benchmarks"])
+def test_a_folder_in_a_study_is_one_line_that_names_the_study(study, capsys, monkeypatch, inside):
+    code, (line,) = doctor(capsys, study / inside)
+    assert code == 2 and line.endswith("; give results/a")
+    monkeypatch.chdir(study)
+    assert doctor(capsys, ".")[0] == 0
+
+
+def test_records_without_a_study_have_no_remedy(study, capsys):
+    """Their files are compared all the same; the log of a job stands for the configuration."""
+    for name in ("config.yaml", "checksums/config.yaml.sha256"):
+        (study / name).unlink()
+    cut(study / "dataset.parquet")
+    assert damage(study / "dataset.parquet").startswith("results/a/dataset.parquet: truncated")
+    assert "doctor" not in damage(study / "dataset.parquet")
+    assert doctor(capsys, study, "--delete")[0] == 2 and (study / "dataset.parquet").exists()
+    write_text("", study / "logs" / "dataset.log")
+    assert damage(study / "dataset.parquet").endswith("the next run makes it again")
+    code, lines = doctor(capsys, study)
+    assert code == 1 and lines[0].endswith("; snakemake --force results/a/dataset.parquet")
+
+
+# Records that are no records of ours
+
+
+def forged(study, name, **fields):
+    """Change fields of the record of a file, which is made damaged."""
+    path = record_path(study, name)
+    write_json({**json.loads(path.read_text()), **fields}, path)
+    cut(study / name)
+
+
+def everything(folder):
+    return {path: path.is_file() and path.read_bytes() for path in Path(folder).rglob("*")}
+
+
+@pytest.mark.parametrize(
+    "target",
+    ["", ".", "./", "..", "../b", "../../precious", "learning/..", "learning/../..", "learning/.",
+     "/", "ABSOLUTE", "a//b", "vtk/", "checksums", "checksums/dataset.parquet.sha256", "logs",
+     "..\\b", "a\nb", "a\0b"],
+)  # fmt: skip
+def test_a_record_with_another_target_than_a_result_is_damaged(study, capsys, tmp_path, target):
+    write_text("x\n", tmp_path / "precious" / "a.txt")
+    write_text("x\n", tmp_path / "results" / "b" / "a.txt")
+    named = str(tmp_path / "precious") if target == "ABSOLUTE" else target
+    forged(study, "learning/linear.json", target=named)
+    before = everything(tmp_path)
+    for options in ([], ["--delete"]):
+        code, lines = doctor(capsys, study, *options)
+        assert code == 1
+        assert "its record results/a/checksums/learning/linear.json.sha256 is damaged" in lines[0]
+        assert lines[-1].endswith("--force results/a/learning/linear.json")
+        assert everything(tmp_path) == before
+    assert damage(study / "learning/linear.json").endswith(
+        "; `abradem doctor results/a` names the command that makes both again"
+    )
+
+
+@pytest.mark.parametrize(
+    "fields", [{"sha256": "f"}, {"sha256": "F" * 64}, {"size": -1}, {"job": ""}, {"size": True}]
+)
+def test_a_record_with_impossible_fields_is_damaged(study, capsys, fields):
+    forged(study, "dataset.parquet", **fields)
+    _, lines = doctor(capsys, study, "--delete")
+    assert "its record" in lines[0] and (study / "dataset.parquet").exists()
+
+
+@pytest.mark.parametrize("name", ["", "learning/", "checksums/a", "logs/a.log"])
+def test_a_record_of_what_is_no_result_is_damaged(study, capsys, name):
+    record = record_path(study, "dataset.parquet").read_text()
+    write_text(record, study / "checksums" / f"{name}.sha256")
+    before = everything(study)
+    code, lines = doctor(capsys, study, "--delete")
+    assert code == 1 and "its record" in lines[0] and everything(study) == before
+
+
+def test_a_pipe_for_a_record_is_damaged(study, capsys):
+    record_path(study, "dataset.parquet").unlink()
+    os.mkfifo(record_path(study, "dataset.parquet"))
+    code, lines = doctor(capsys, study, "--delete")
+    assert code == 1 and "its record" in lines[0]
+
+
+def test_a_target_of_other_files_removes_only_what_is_recorded_for_it(study, capsys):
+    """The folder of a record is not emptied, nor what another job wrote there."""
+    forged(study, "dataset.parquet", target="learning")
+    before = set(everything(study))
+    doctor(capsys, study, "--delete")
+    assert before - set(everything(study)) == {study / "dataset.parquet"}
+
+
+def test_files_of_the_user_in_the_folder_of_an_output_are_kept(study, capsys):
+    write_text("mine", study / "vtk/typical/notes.md")
+    write_text("", study / "vtk/typical/.snakemake_timestamp")
+    cut(study / "vtk/typical/plate.pvd")
+    _, lines = doctor(capsys, study, "--delete")
+    assert lines[0].endswith(
+        "; removed with 2 other files of its job; 1 files in its folder that no job wrote are kept"
+    )
+    assert [path.name for path in (study / "vtk/typical").iterdir()] == ["notes.md"]
+
+
+def test_a_link_that_leads_out_of_the_study_is_not_followed(study, capsys, tmp_path):
+    shutil.move(study / "learning", tmp_path / "elsewhere")
+    (study / "learning").symlink_to(tmp_path / "elsewhere")
+    cut(tmp_path / "elsewhere" / "linear.json")
+    _, lines = doctor(capsys, study, "--delete")
+    assert lines[0].endswith("; not removed, as a link leads out of the study")
+    assert len(list((tmp_path / "elsewhere").iterdir())) == 2
+
+
+def test_a_study_behind_a_link_is_a_study(study, capsys, tmp_path):
+    shutil.move(study, tmp_path / "disk")
+    study.symlink_to(tmp_path / "disk")
+    cut(study / "dataset.parquet")
+    _, lines = doctor(capsys, study, "--delete")
+    assert lines[0].endswith("; removed") and not (tmp_path / "disk/dataset.parquet").exists()
+
+
+@pytest.mark.parametrize("place", ["dataset.parquet", "mine.csv", "benchmarks/simulate/a.tsv"])
+def test_a_pipe_for_a_result_is_no_file(study, capsys, place):
+    (study / place).unlink(missing_ok=True)
+    os.mkfifo(study / place)
+    _, lines = doctor(capsys, study)
+    assert any(place in line and "is no file" in line for line in lines)
+
+
+# Files of the user
+
+
+OWN = {
+    "notes.md": "no final newline", "mine.csv": "a,b\n1\n", "models/mine.json": "{",
+    "figures/mine.png": "", "benchmarks/mine.tsv": "a\tb\n1", "mine.docx": "x",
+    "x/report.html": "x",
+}  # fmt: skip
+
+
+def test_files_of_the_user_are_listed_apart_and_left_alone(study, capsys):
+    for name, text in OWN.items():
+        write_text(text, study / name)
+    before = everything(study)
+    for options in ([], ["--delete"]):
+        code, lines = doctor(capsys, study, *options)
+        assert code == 0 and everything(study) == before
+        assert len(lines) == len(OWN) + 1 and "snakemake" not in "".join(lines)
+        for name in OWN:
+            said = f"results/a/{name}: not written by a job of this study (no record)"
+            assert any(line.startswith(said) for line in lines)
+        assert lines[-1].startswith(f"results/a: all {len(FILES) + 1} files are sound")
+    assert any(line.endswith("(no record); truncated, ends within a line") for line in lines)
+
+
+def test_many_files_of_the_user_are_counted(study, capsys):
+    for number in range(30):
+        write_text("x\n", study / "mine" / f"{number}.md")
+    code, lines = doctor(capsys, study)
+    assert code == 0 and len(lines) == 22
+    assert lines[20] == "results/a: 10 more files not written by a job of this study (no record)"
 
 
 def test_many_damaged_files_are_healed_by_the_study_as_a_whole(study, capsys):
@@ -290,11 +473,10 @@ def test_without_records_what_is_cut_off_is_found(bare, name):
             path.write_bytes(part)
             reason = fault_of_format(path)
             assert reason and "\n" not in reason
-            (finding,) = examine(bare).findings
-            assert (finding.name, finding.target) == (name, name)
+            assert (name, reason) in examine(bare).foreign
     finally:
         path.write_bytes(whole)
-    assert examine(bare).findings == []
+    assert {reason for _, reason in examine(bare).foreign} == {""}
 
 
 def test_every_format_that_is_checked_is_tested():
@@ -324,13 +506,9 @@ def test_rows_of_another_width_are_found(bare):
         path.write_bytes(whole)
 
 
-def test_a_report_is_made_again_by_its_own_command(bare, capsys, monkeypatch):
-    monkeypatch.chdir(bare.parents[1])
-    (bare / "report.html").write_text("<html>")
-    try:
-        code, lines = doctor(capsys, "results/a")
-    finally:
-        (bare / "report.html").unlink()
+def test_a_report_is_made_again_by_its_own_command(study, capsys):
+    (study / "report.html").write_text("<html>")
+    code, lines = doctor(capsys, "results/a")
     assert code == 1
     assert lines[0].endswith(
         "; snakemake --configfile results/a/config.yaml --report results/a/report.html"
@@ -358,4 +536,6 @@ def test_hidden_files_and_logs_are_no_results(bare):
     for name in ("logs/linear.log", ".finished/a/x.json", "learning/.x.json.1.tmp"):
         (bare / name).parent.mkdir(parents=True, exist_ok=True)
         (bare / name).write_text("{")
-    assert examine(bare).findings == []
+    found = examine(bare)
+    assert found.findings == []
+    assert {name for name, _ in found.foreign} == set(UNRECORDED)

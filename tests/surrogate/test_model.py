@@ -304,6 +304,7 @@ def test_a_surrogate_of_a_study_is_compared_with_its_checksum(stem, tmp_path):
     models.mkdir(parents=True)
     for suffix in (".json", ".safetensors"):
         shutil.copy(stem.with_suffix(suffix), models / f"surrogate{suffix}")
+    (models.parent / "config.yaml").write_text("study: a\n")
     record_outputs(models.parent, "surrogate", models.iterdir())
     Surrogate.load(models / "surrogate")
     data = bytearray((models / "surrogate.safetensors").read_bytes())

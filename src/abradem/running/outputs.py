@@ -7,11 +7,15 @@ import shutil
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from abradem.store.checksums import FOLDER, Checksum, record_path, sha256_of
+from abradem.store.checksums import (
+    FOLDER,
+    LOGS,
+    Checksum,
+    is_inside,
+    record_path,
+    sha256_of,
+)
 from abradem.store.files import write_json
-
-LOGS = "logs"
-"""Folder, in that of the study, of the logs of its jobs."""
 
 
 def job_of(log: str | Path) -> tuple[Path, str] | None:
@@ -43,7 +47,7 @@ def record_outputs(
     places = [(Path(folder), targets[0]) for folder in folders]
     for place, target in [*places, *((target, target) for target in targets)]:
         name, made_by = (Path(os.path.relpath(path, study)).as_posix() for path in (place, target))
-        if name.startswith("../"):
+        if not (is_inside(name) and is_inside(made_by)):
             continue
         if place.is_dir():
             # Records of files that an earlier job wrote there.

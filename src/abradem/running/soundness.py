@@ -1,14 +1,15 @@
 """Soundness of the files of a study: those with a record are compared with it, others parsed.
 
-A record (`abradem.store.checksums`) finds any change. Files without one, of jobs that ended before
-there were records or of Snakemake itself, are only checked for what their format tells: a file that
-is cut off, is empty, or cannot be parsed.
+A record (`abradem.store.checksums`) finds any change. Files that Snakemake itself writes have none;
+they are only checked for what their format tells: a file that is cut off, is empty, or cannot be
+parsed. All others without a record were not written by a job; they are the user's own.
 """
 
 from __future__ import annotations
 
 import csv
 import os
+import stat
 import struct
 import zlib
 from collections.abc import Callable, Iterator, Mapping
@@ -16,8 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from abradem.running.outputs import LOGS
-from abradem.store.checksums import FOLDER, Checksum, difference, read_record, recorded
+from abradem.store.checksums import FOLDER, LOGS, Checksum, difference, read_record, recorded
 from abradem.store.files import TableError, read_arrays, read_json
 from abradem.store.tables import read_table
 
@@ -26,6 +26,9 @@ NO_RESULTS = (FOLDER, LOGS)
 
 BENCHMARKS = "benchmarks"
 """Folder of the measurements of Snakemake; each has the name of its job."""
+
+REPORT = "report.html"
+"""The report that Snakemake writes."""
 
 
 class Finding(NamedTuple):
@@ -39,13 +42,18 @@ class Finding(NamedTuple):
     target : str
         Output of a job, in the study, by which Snakemake makes the file again.
     siblings : tuple of str
-        All targets of the job; Snakemake does not miss a single one that nothing reads.
+        All targets of the job, if it wrote the file.
+    removable : tuple of str
+        Files to remove so that Snakemake makes the file again: itself, and what else its job
+        wrote, as Snakemake does not miss a single file that nothing reads. Empty if its record
+        is damaged: nothing tells then that a job wrote it.
     """
 
     name: str
     reason: str
     target: str
     siblings: tuple[str, ...]
+    removable: tuple[str, ...]
 
 
 class Examination(NamedTuple):
@@ -53,16 +61,17 @@ class Examination(NamedTuple):
 
     Attributes
     ----------
-    recorded, parsed, unknown : int
-        Numbers of files that were compared with a record, that were only parsed, and of formats
-        that cannot be checked without a record.
+    recorded, parsed : int
+        Numbers of files that were compared with a record, and of Snakemake's own, only parsed.
     findings : list of Finding
+    foreign : list of (str, str)
+        Path and fault by its format, or "", of each file that no job of the study wrote.
     """
 
     recorded: int
     parsed: int
-    unknown: int
     findings: list[Finding]
+    foreign: list[tuple[str, str]]
 
 
 def examine(study: Path) -> Examination:
@@ -70,33 +79,47 @@ def examine(study: Path) -> Examination:
     known = dict.fromkeys(recorded(study))
     records = {name: _record(study, name) for name in known}
     targets: dict[str, dict[str, None]] = {}
-    for record in records.values():
+    written: dict[str, list[str]] = {}
+    for name, record in records.items():
         if record is not None:
             targets.setdefault(record.job, {})[record.target] = None
+            if name == record.target or name.startswith(f"{record.target}/"):
+                written.setdefault(record.job, []).append(name)
     found = []
     for name, record in records.items():
         reason = difference(study, name)
         if reason and record is not None:
-            found.append(Finding(name, reason, record.target, tuple(targets[record.job])))
+            removable = dict.fromkeys((name, *written.get(record.job, ())))
+            siblings = tuple(targets[record.job])
+            found.append(Finding(name, reason, record.target, siblings, tuple(removable)))
         elif reason:
-            found.append(Finding(name, reason, name, (name,)))
-    parsed = unknown = 0
+            found.append(Finding(name, reason, name, (), ()))
+    parsed, foreign = 0, []
     for name in _results(study):
         if name in known:
             continue
         path = study / name
-        if path.suffix not in CHECKS:
-            unknown += 1
+        reason = fault_of_format(path) if path.suffix in CHECKS else None
+        target = _target_of_snakemake(name, targets)
+        if target is None:
+            foreign.append((name, reason or ""))
             continue
         parsed += 1
-        reason = fault_of_format(path)
         if reason:
-            # Snakemake itself writes a benchmark, and only with the outputs of the job.
-            job = name.removeprefix(f"{BENCHMARKS}/").removesuffix(path.suffix)
-            measured = targets.get(job) or targets.get(job.replace("/", "_")) or (name,)
-            target = next(iter(measured)) if name.startswith(f"{BENCHMARKS}/") else name
-            found.append(Finding(name, reason, target, (name,)))
-    return Examination(len(known), parsed, unknown, sorted(found))
+            found.append(Finding(name, reason, target, (), (name,)))
+    return Examination(len(known), parsed, sorted(found), foreign)
+
+
+def _target_of_snakemake(name: str, targets: Mapping[str, Mapping[str, None]]) -> str | None:
+    """What makes a file that Snakemake itself writes again; None for other files."""
+    if name == REPORT:
+        return name
+    if name.startswith(f"{BENCHMARKS}/") and name.endswith(".tsv"):
+        # Only written with the outputs of the job.
+        job = name.removeprefix(f"{BENCHMARKS}/").removesuffix(".tsv")
+        measured = targets.get(job) or targets.get(job.replace("/", "_"))
+        return next(iter(measured)) if measured else None
+    return None
 
 
 def _record(study: Path, name: str) -> Checksum | None:
@@ -132,7 +155,10 @@ def fault_of_format(path: Path) -> str | None:
     """
     check = CHECKS[path.suffix]
     try:
-        if path.stat().st_size == 0:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            return "is no file"
+        if status.st_size == 0:
             return "empty"
         check(path)
     except TableError as error:
