@@ -93,9 +93,10 @@ def draw_profiles(profiles: pd.DataFrame, summary: Mapping) -> Figure:
     with style.style():
         figure, panels = style.panels(len(names), 3, 1.55)
         top = float(np.nanmax(profiles["score"]))
+        low = max(top - SHOWN_SPAN, float(np.nanmin(profiles["score"])) - 0.02)
         for index, (panel, name) in enumerate(zip(panels, names, strict=True)):
             rows = profiles[profiles["unknown"] == name].reset_index(drop=True)
-            _profile(panel, rows, top)
+            _profile(panel, rows, low, top)
             panel.set_title(f"{style.letter(index)} {_short(name)}", loc="left", fontsize=7.0)
             if index % 3 == 0:
                 panel.set_ylabel("$R^2$ of ln y")
@@ -190,16 +191,16 @@ def _ratio_axis(panel: Axes, span: float) -> None:
     panel.minorticks_off()
 
 
-def _profile(panel: Axes, rows: pd.DataFrame, top: float) -> None:
+def _profile(panel: Axes, rows: pd.DataFrame, low: float, top: float) -> None:
     places = np.arange(len(rows))
     colours = [style.GREY if apart else style.BLUE for apart in rows["told_apart"]]
     for place, row, colour in zip(places, rows.itertuples(), colours, strict=True):
-        if not np.isfinite(row.score) or row.score < top - SHOWN_SPAN:
+        if not np.isfinite(row.score) or row.score < low:
             continue
         error = 0.0 if not np.isfinite(row.noise) else 2.0 * row.noise
         panel.errorbar(place, row.score, yerr=error, fmt="o", ms=3.5, color=colour, elinewidth=0.8)
     panel.set_xlim(-0.5, len(rows) - 0.5)
-    panel.set_ylim(top - SHOWN_SPAN, min(1.0, top + 0.1 * SHOWN_SPAN) + 0.01)
+    panel.set_ylim(low, min(1.0, top + 0.1 * (top - low)) + 0.01)
     turned = max(len(value) for value in rows["value"]) * len(rows) > 28
     panel.set_xticks(places, rows["value"], fontsize=6.5, rotation=30 if turned else 0,
                      ha="right" if turned else "center")  # fmt: skip
