@@ -53,6 +53,8 @@ def test_keys_that_share_a_value_get_it():
         ({"seed": [1, 2]}, "seed: is no key of a simulation"),
         ({RATE: [4]}, "needs at least two plain values"),
         ({RATE: [4, 4]}, "holds a value twice"),
+        ({RATE: [4, 4.0]}, "holds a value twice"),
+        ({RATE: [300.0, 300.00000000000006]}, "holds a value twice"),
         ({RATE: 4}, "must be a list of values or"),
         ({RATE: {"from": 4}}, "must be a list of values or"),
         ({RATE: {"from": 4, "to": 4}}, "must be below"),

@@ -6,6 +6,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import os
 import re
 from pathlib import Path
 from typing import get_args
@@ -56,6 +57,50 @@ MALFORMED = {
     "column_that_is_no_name": (
         "study: a\ndataset:\n  external: t.csv\n  columns: {plate_angle: 3}\n",
         "config.yaml: dataset.columns: {plate_angle: 3}: plate_angle: must be a column name, or [column, unit] (allowed {name: column} or {name: [column, unit]})",
+    ),
+    "column_that_is_a_list_of_one": (
+        "study: a\ndataset:\n  external: t.csv\n  columns: {plate_angle: [x]}\n",
+        'config.yaml: dataset.columns: {plate_angle: ["x"]}: plate_angle: must be a column name, or [column, unit] (allowed {name: column} or {name: [column, unit]})',
+    ),
+    "column_that_is_an_empty_list": (
+        "study: a\ncalibration:\n  columns: {plate_angle: []}\n",
+        "config.yaml: calibration.columns: {plate_angle: []}: plate_angle: must be a column name, or [column, unit] (allowed {name: column} or {name: [column, unit]})",
+    ),
+    "column_with_three_parts": (
+        "study: a\ndataset:\n  external: t.csv\n  columns: {plate_angle: [x, deg, y]}\n",
+        'config.yaml: dataset.columns: {plate_angle: ["x", "deg", "y"]}: plate_angle: must be a column name, or [column, unit] (allowed {name: column} or {name: [column, unit]})',
+    ),
+    "misspelled_material": (
+        "study: a\nsampling:\n  ranges: {particle_density: granit}\n",
+        'config.yaml: sampling.ranges.particle_density: "granit": must be a number; did you mean granite? (allowed 10 ... 25000 kg/m3)',
+    ),
+    "misspelled_material_in_a_pair": (
+        "study: a\nsampling:\n  ranges: {particle_density: [1000, Iron ores]}\n",
+        'config.yaml: sampling.ranges.particle_density: [1000, "Iron ores"]: must be a number; did you mean iron_ore? (allowed 10 ... 25000 kg/m3)',
+    ),
+    "misspelled_material_without_the_quantity": (
+        "study: a\nsampling:\n  ranges: {particle_density: stel}\n",
+        'config.yaml: sampling.ranges.particle_density: "stel": must be a number (allowed 10 ... 25000 kg/m3)',
+    ),
+    "diameter": (
+        "study: a\nsampling:\n  ranges: {particle_diameter: 20}\n",
+        "config.yaml: sampling.ranges.particle_diameter: 20: unknown key, give half of the diameter as particle_radius_mm",
+    ),
+    "diameter_mm": (
+        "study: a\nfigures:\n  typical: {particle_diameter_mm: 20}\n",
+        "config.yaml: figures.typical.particle_diameter_mm: 20: unknown key, give half of the diameter as particle_radius_mm",
+    ),
+    "diameter_alone": (
+        "study: a\nsampling:\n  ranges: {Diameter_mm: [20, 30]}\n",
+        "config.yaml: sampling.ranges.Diameter_mm: [20, 30]: unknown key, give half of the diameter as particle_radius_mm",
+    ),
+    "diameter_elsewhere": (
+        "study: a\nsimulation: {particle_diameter_mm: 20}\n",
+        "config.yaml: simulation.particle_diameter_mm: 20: unknown key, give half of the diameter as sampling.ranges.particle_radius_mm",
+    ),
+    "diameter_of_the_arc": (
+        "study: a\nsimulation: {factory: {arc_diameter_mm: 20}}\n",
+        "config.yaml: simulation.factory.arc_diameter_mm: 20: unknown key, give half of the diameter as arc_radius_mm",
     ),
     "columns_that_are_a_list": (
         "study: a\ndataset:\n  external: t.csv\n  columns: [slope]\n",
@@ -456,6 +501,134 @@ def test_the_list_of_mistakes_is_long_and_each_problem_is_one_line():
     assert len(MALFORMED) >= 30
     for text, lines in MALFORMED.values():
         assert all(line.startswith("config.yaml: ") for line in lines.split("\n")), text
+
+
+HINTED = [
+    ("publish.version", "1.10"), ("publish.version", "01"), ("publish.version", "0x10"),
+    ("publish.version", ".5"), ("publish.version", "2026-01-31"), ("publish.version", "2"),
+    ("publish.version", "1.5"), ("publish.version", "no"), ("study", ".5"), ("study", "010"),
+    ("study", "1.10"), ("study", "0x10"), ("study", "12:30"), ("study", "2024"), ("study", "1.5"),
+    ("study", "+5"), ("study", "2026-02-30"), ("study", "no"), ("publish.date", "2026-02-30"),
+    ("publish.date", "2026-01-31"), ("publish.date", "2026-13-01"), ("publish.date", "20260131"),
+    ("publish.date", "2026-01-31 10:00:00"), ("publish.date", "1_0"), ("publish.url", "010"),
+    ("publish.url", "yes"), ("publish.title", "010"), ("publish.title", "2026-02-30"),
+    ("sampling.method", "no"), ("sampling.method", "010"), ("sampling.blocks", "00"),
+    ("sampling.blocks", "-010"), ("sampling.blocks", "1:30"), ("sampling.blocks", "0x10"),
+    ("seed", "-0x10"), ("learning.test_share", "1_0"), ("learning.test_share", "1:30"),
+    ("sampling.ranges.plate_angle", "1:30:30"), ("sampling.ranges.plate_angle", "010"),
+    ("figures.typical.plate_angle", "0x7f"), ("simulation.cases_per_job", "00"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("key", "text"), HINTED)
+def test_a_hint_is_accepted_when_it_is_followed(write, key, text):
+    """Where there is nothing to propose, the line says what is allowed."""
+
+    def problem(given):
+        *sections, name = key.split(".")
+        content = "{" + f"{name}: {given}" + "}"
+        for section in reversed(sections):
+            content = "{" + f"{section}: {content}" + "}"
+        study = content if key == "study" else "{study: a, " + content[1:]
+        try:
+            read_config(write(study))
+        except ConfigError as error:
+            (line,) = error.problems
+            return line
+        return None
+
+    line = problem(text)
+    assert line is not None
+    if "put it in quotes" in line:
+        assert problem(f'"{text}"') is None
+    elif found := re.search(r"; write (\S+?)(?: in quotes|, or (\S+) if| if|$)", line):
+        for proposed in filter(None, found.groups()):
+            assert problem(proposed) is None
+    else:
+        assert "(allowed " in line and "quotes" not in line.split("(allowed")[0]
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "problem"),
+    [
+        (
+            "publish: {version: 1.10}",
+            "1.10",
+            "YAML reads this as the number 1.1 (allowed 1.0.0, 1.0.1, 2.0.0 ...)",
+        ),
+        (
+            "publish: {date: 2026-02-30}",
+            "2026-02-30",
+            'there is no such day (allowed null or a date in quotes, "2026-01-31")',
+        ),
+    ],
+)
+def test_without_a_hint_what_is_allowed_is_said(write, key, text, problem):
+    with pytest.raises(ConfigError) as error:
+        read_config(write(f"study: a\n{key}\n"))
+    assert error.value.problems[0].endswith(f": {text}: {problem}")
+
+
+def test_what_is_no_file_is_one_line(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("pipe.yaml")
+    Path("folder.yaml").mkdir()
+    Path("link.yaml").symlink_to("pipe.yaml")
+    expected = {
+        "pipe.yaml": "pipe.yaml: is a pipe or a device, not a file",
+        "folder.yaml": "folder.yaml: is a folder, not a file",
+        "link.yaml": "pipe.yaml: is a pipe or a device, not a file",
+        "/dev/null": "/dev/null: is a pipe or a device, not a file",
+    }
+    for name, line in expected.items():
+        with pytest.raises(ConfigError) as error:
+            read_config(name)
+        assert error.value.problems == [line]
+
+
+RATE = "simulation.factory.mass_rate_kg_s"
+LENGTH, WIDTH = "simulation.factory.patch_length_mm", "simulation.factory.patch_width_mm"
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "read"),
+    [
+        (RATE, {"from": "14.4 t/h", "to": 80}, {"from": 4.0, "to": 80}),
+        (
+            RATE,
+            {"from": 1, "to": "36 t/h", "scale": "log"},
+            {"from": 1, "to": 10.0, "scale": "log"},
+        ),
+        (RATE, ["14.4 t/h", 5], [4.0, 5]),
+        (f"{LENGTH}, {WIDTH}", ["10 cm", "0.2 m"], [100.0, 200.0]),
+        (RATE, [1, 2], [1, 2]),
+        (
+            "simulation.contact.tangential",
+            ["incremental", "displacement"],
+            ["incremental", "displacement"],
+        ),
+        ("simulation.none.such", ["1 m", 2], ["1 m", 2]),
+    ],
+)
+def test_values_of_a_search_may_have_a_unit(name, given, read):
+    config = load_config({"study": "a", "calibration": {"search": {name: given}}})
+    found = config.calibration.search[name]
+    assert found == (pytest.approx(read) if all(map(is_number, read)) else read)
+
+
+def is_number(value):
+    return isinstance(value, (int, float))
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [(RATE, ["4 m", 5]), (RATE, {"from": "4 zebras", "to": 5}), (f"{LENGTH}, {RATE}", ["1 m", 2])],
+)
+def test_a_wrong_unit_of_a_search_is_one_line(name, given):
+    with pytest.raises(ConfigError) as error:
+        load_config({"study": "a", "calibration": {"search": {name: given}}})
+    (line,) = error.value.problems
+    assert line.startswith("command line: calibration.search: ") and f": {name}: " in line
 
 
 def test_missing_file_is_one_line(write):

@@ -57,6 +57,17 @@ def test_the_command_explains_itself_in_any_environment(value):
     assert command("--help", **{name: text}) == usual
 
 
+@pytest.mark.parametrize("encoding", ["ascii", "ascii:strict", "ascii:surrogateescape"])
+@pytest.mark.parametrize("name", ["", "predict", "simulate", "config", "doctor"])
+def test_help_is_printed_in_any_encoding(encoding, name):
+    given = [*filter(None, [name]), "--help"]
+    for utf8 in ("0", "1"):
+        status, said = command(*given, PYTHONIOENCODING=encoding, PYTHONUTF8=utf8)
+        assert status == 0 and said.startswith("usage: abradem") and "Traceback" not in said
+    status, said = command("predict", "--ünknown", PYTHONIOENCODING=encoding)
+    assert status == 2 and len(said.splitlines()) == 1
+
+
 def test_characters_that_a_terminal_lacks_are_escaped(tmp_path):
     (tmp_path / "config.yaml").write_text("study: a\npublish: {titlé: 水}\n", encoding="utf-8")
     strict = {"PYTHONIOENCODING": "ascii:strict", "PYTHONUTF8": "0"}

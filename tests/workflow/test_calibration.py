@@ -109,9 +109,13 @@ def test_one_core_and_a_lost_half_give_the_same_bytes(made, tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"search": {}}, "calibration.search: is empty; name at least one unknown key"),
+        (
+            {"search": {}},
+            "overlay.yaml: calibration.search: is empty; name at least one",
+        ),
         ({"search": {"seed": [1, 2]}}, "seed: is no key of a simulation"),
         ({"search": {RATE: [1, -1]}}, "simulation.factory.mass_rate_kg_s: -1: is out of range"),
+        ({"search": {"simulation.factry.x": [1, 2]}}, "simulation.factry: {x: 1}: unknown key"),
         ({"table": "nowhere.csv"}, "nowhere.csv: there is no such file"),
         ({"target": "wear_total_max"}, "table.csv: lacks wear_total_max, the calibration.target"),
         ({"replicates": [1, 2, 3]}, "rows and replicates must have the same number of rungs"),

@@ -5,21 +5,16 @@ if not IN_MODULE:
     report: "../report/calibration_overview.rst"
 
 
-from abradem.dataset.external import read_external
-from abradem.dataset.user_table import local_file
-from abradem.running.trial_setups import drawn_setups, search_rungs
+from abradem.running.given_tables import calibration_inputs
+from abradem.running.trial_setups import search_rungs
 from abradem.store.files import TableError
 
 SEARCH = CONFIG.calibration
 JUDGED_BY = "log_r2_constant" if SEARCH.constant else "log_r2"
 FOUND = f"{RESULTS}/calibration"
 try:
-    CALIBRATION_TABLE = str(local_file(SEARCH.table))
     # Checked before anything is written; the rule reads the table again.
-    given_table = read_external(CALIBRATION_TABLE, SEARCH.columns)
-    if SEARCH.target not in given_table:
-        sys.exit(f"{CALIBRATION_TABLE}: lacks {SEARCH.target}, the calibration.target")
-    TRIALS, TRIAL_SETUPS = drawn_setups(CONFIG)
+    CALIBRATION_TABLE, TRIALS, TRIAL_SETUPS = calibration_inputs(CONFIG, *origins())
 except (ConfigError, TableError) as error:
     sys.exit(str(error))
 RUNGS = search_rungs(CONFIG)

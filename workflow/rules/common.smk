@@ -42,6 +42,18 @@ def file_of_workflow(path):
     )
 
 
+def origins():
+    """The files and the entries of the command line from which the configuration is read."""
+    if IN_MODULE:
+        return [], []
+    settings = workflow.config_settings
+    # Override files of the command line come last, in the order in which they are merged.
+    overrides = workflow.overwrite_configfiles
+    files = [] if settings.replace_workflow_config else workflow.configfiles
+    first = [path for path in files if path not in overrides]
+    return [*first, *overrides], settings.config_args or ()
+
+
 def configuration():
     """The configuration, from the texts of the files and of the command line.
 
@@ -50,15 +62,8 @@ def configuration():
     """
     if IN_MODULE:
         return load_config(config, "config of the module")
-    settings = workflow.config_settings
-    # Override files of the command line come last, in the order in which they are merged.
-    overrides = workflow.overwrite_configfiles
-    files = [] if settings.replace_workflow_config else workflow.configfiles
-    return read_config(
-        *(path for path in files if path not in overrides),
-        *overrides,
-        command_line=settings.config_args or (),
-    )
+    files, entries = origins()
+    return read_config(*files, command_line=entries)
 
 
 try:

@@ -72,7 +72,7 @@ def _unknown(keys: tuple[str, ...], values) -> Unknown:
     if isinstance(values, (list, tuple)):
         if len(values) < 2 or any(isinstance(one, (list, dict)) for one in values):
             raise ValueError(f"{name}: needs at least two plain values to choose from")
-        if len({repr(one) for one in values}) < len(values):
+        if len({_same(one) for one in values}) < len(values):
             raise ValueError(f"{name}: holds a value twice")
         return Unknown(keys, tuple(values))
     if not isinstance(values, Mapping) or not {"from", "to"} <= set(values) <= {
@@ -92,6 +92,12 @@ def _unknown(keys: tuple[str, ...], values) -> Unknown:
     if scale == "log" and low <= 0.0:
         raise ValueError(f"{name}: from = {low!r} must be positive on a logarithmic scale")
     return Unknown(keys, (), float(low), float(high), scale == "log")
+
+
+def _same(value) -> tuple:
+    """What two choices have in common that are the same value, up to rounding of their units."""
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return ("number", f"{value:.12g}") if number else (type(value).__name__, value)
 
 
 def draw(space: list[Unknown], count: int, seed: int) -> list[dict[str, object]]:

@@ -47,10 +47,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(line, file=sys.stderr)
         return NO_MEMORY
     try:
-        options = _parser().parse_args(joined(arguments))
         from abradem.running.environment import force_environment
 
+        # Before help is printed, which has characters that an encoding may lack.
         force_environment()
+        options = _parser().parse_args(joined(arguments))
         return options.run(options)
     except Exception as error:
         if line := memory_problem(error):
@@ -152,16 +153,20 @@ def _check_config(options: argparse.Namespace) -> int:
     from abradem.config import read_config
     from abradem.running.effort import estimate
 
-    config = read_config(*(options.check or options.folder))
-    if config.dataset.external is not None:
-        from abradem.dataset.external import read_external, repeated
-        from abradem.running.readiness import problems_of_table
+    files = options.check or options.folder
+    config = read_config(*files)
+    if config.calibration.table is not None:
+        from abradem.running.given_tables import calibration_inputs
 
-        table = read_external(config.dataset.external, config.dataset.columns)
-        if problems := problems_of_table(config, table):
-            raise InputError("\n".join(problems))
-        if again := repeated(table):
-            print(f"{config.dataset.external}: {again}", file=sys.stderr)
+        calibration_inputs(config, files)
+    elif config.dataset.external is not None:
+        from abradem.running.given_tables import external_input
+
+        found = external_input(config)
+        if found.nothing_varies:
+            raise InputError(found.nothing_varies)
+        if found.repeated:
+            print(f"{config.dataset.external}: {found.repeated}", file=sys.stderr)
     print(estimate(config) if options.check else f"results/{config.study}")
     return 0
 

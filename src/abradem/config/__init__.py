@@ -17,7 +17,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from abradem.config.declaration import Config
     from abradem.config.keys import COMMAND_LINE
-    from abradem.config.reading import ConfigError, load_config, read_config, refuse_all_but_data
+    from abradem.config.reading import (
+        ConfigError,
+        load_config,
+        origin_in_files,
+        read_config,
+        refuse_all_but_data,
+    )
     from abradem.config.reference import documentation, schema
     from abradem.config.values import (
         rate_options,
@@ -33,6 +39,7 @@ _LAZY = {
     "ConfigError": "reading",
     "documentation": "reference",
     "load_config": "reading",
+    "origin_in_files": "reading",
     "read_config": "reading",
     "refuse_all_but_data": "reading",
     "rate_options": "values",
@@ -49,6 +56,7 @@ __all__ = [
     "ConfigError",
     "documentation",
     "load_config",
+    "origin_in_files",
     "rate_options",
     "read_config",
     "refuse_all_but_data",

@@ -7,7 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     AfterValidator,
@@ -23,7 +23,7 @@ from pydantic import (
 
 from abradem import quantities
 from abradem.config.batches import batches_of_block
-from abradem.config.quantity_texts import of_material, read_quantity
+from abradem.config.quantity_texts import material_meant, of_material, read_quantity
 from abradem.config.scalars import STUDY_NAME, number_meant, written, yaml_float
 from abradem.quantities import SAMPLED, STATISTICS, WEAR_MEASURES, Quantity
 from abradem.words.labels import LABELS
@@ -100,6 +100,8 @@ def _range_field(row: Quantity) -> tuple[Any, Any]:
             for bound, of in zip(bounds, found, strict=True)
         ]
         for bound in bounds:
+            if material := material_meant(bound, row.name):
+                raise ValueError(f"must be a number; did you mean {material}?")
             _require_number(bound, low, high)
             if not low <= bound <= high:
                 raise ValueError(f"{number_text(bound)} is out of range{_unit_slip(row, bounds)}")
@@ -668,8 +670,9 @@ def _check_columns(value: Any) -> dict[str, str | list[str]]:
     if not isinstance(value, Mapping):
         raise ValueError("must map names of quantities to columns of the table")
     for name, column in value.items():
-        parts = column if isinstance(column, (list, tuple)) else [column]
-        if not all(isinstance(part, str) and part for part in parts) or len(parts) not in (1, 2):
+        pair = isinstance(column, (list, tuple))
+        parts = column if pair else [column]
+        if not all(isinstance(part, str) and part for part in parts) or (pair and len(parts) != 2):
             raise ValueError(f"{name}: must be a column name, or [column, unit]")
         for part in (str(name), *parts):
             _check_text(part)
@@ -682,7 +685,12 @@ _COLUMNS_SCHEMA = WithJsonSchema(
         "additionalProperties": {
             "anyOf": [
                 {"type": "string"},
-                {"type": "array", "items": {"type": "string"}, "maxItems": 2},
+                {
+                    "type": "array",
+                    "items": {"type": "string"},
+                    "minItems": 2,
+                    "maxItems": 2,
+                },
             ]
         },
     }
@@ -692,7 +700,37 @@ _COLUMNS_SCHEMA = WithJsonSchema(
 def _check_search(value: Any) -> dict[str, Any]:
     if not isinstance(value, Mapping):
         raise ValueError("must map keys of simulation to what they may be")
-    return {str(key): values for key, values in value.items()}
+    return {str(key): _in_units(str(key), values) for key, values in value.items()}
+
+
+def _in_units(names: str, values: Any) -> Any:
+    """Return what the keys of a search may be, with texts that have a unit as numbers."""
+    keys = [key.strip() for key in names.split(",")]
+    units = {_unit_of(key) for key in keys}
+    given = values if isinstance(values, Mapping) else {"": values}
+    try:
+        read = {name: read_quantity(one, next(iter(units))) for name, one in given.items()}
+    except ValueError as error:
+        raise ValueError(f"{names}: {error}") from None
+    if len(units) > 1 and read != given:
+        raise ValueError(f"{names}: keys of different units share a value, give it without a unit")
+    return read if isinstance(values, Mapping) else read[""]
+
+
+def _unit_of(key: str) -> str:
+    """Return the unit of a dotted key of `simulation`; "" if it has none or is unknown."""
+    _, *path = key.split(".")
+    section: Any = Simulation
+    unit = ""
+    for part in path:
+        field = getattr(section, "model_fields", {}).get(part)
+        if field is None:
+            return ""
+        extra = field.json_schema_extra
+        unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+        kinds = (field.annotation, *get_args(field.annotation))
+        section = next((kind for kind in kinds if hasattr(kind, "model_fields")), None)
+    return unit
 
 
 _SEARCH_SCHEMA = WithJsonSchema(

@@ -7,8 +7,9 @@ import math
 from collections.abc import Iterator, Mapping
 from functools import cache
 from types import NoneType, UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
+from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from abradem.config.declaration import Config, Section, interval_text, not_a_number
@@ -40,7 +41,7 @@ def explain(details: Mapping) -> tuple[Key, str, str]:
         "int_from_float": not_a_number(value, "a whole number", *_bounds(key)),
         "bool_type": "must be true or false",
         "finite_number": "must be a finite number",
-        "string_type": "must be text; put it in quotes",
+        "string_type": "must be text" + _quotes(key, value),
         "string_pattern_mismatch": "has the wrong form",
         "literal_error": "is unknown",
         "list_type": "must be a list",
@@ -49,6 +50,42 @@ def explain(details: Mapping) -> tuple[Key, str, str]:
     if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
         return key, "is out of range", allowed
     return key, problems.get(kind, details["msg"]), allowed
+
+
+def _quotes(key: Key, value: Any) -> str:
+    """The hint to put a number in quotes, if that is accepted; else ""."""
+    plain = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return "; put it in quotes" if plain and is_accepted(key, str(value)) else ""
+
+
+def is_accepted(key: Key, value: Any) -> bool:
+    """Whether a key, or an item of its list, may have a value, apart from the other keys."""
+    field = _field(key)
+    if field is None or not _is_of_field(key):
+        return True
+    kind: Any = field.annotation
+    adapter = TypeAdapter(Annotated[kind, *field.metadata] if field.metadata else kind)
+    # The item of a list that needs one, or two.
+    tried = [[value], [value, value]] if isinstance(key[-1], int) else [value]
+    for one in tried:
+        try:
+            adapter.validate_python(one, strict=True)
+        except ValidationError:
+            continue
+        return True
+    return False
+
+
+def _is_of_field(key: Key) -> bool:
+    """Whether a key is that of a field or of an item of its list, not one within a mapping."""
+    names = key[:-1] if isinstance(key[-1], int) else key
+    return all(isinstance(part, str) for part in names)
+
+
+def allowed_for(key: Key) -> str:
+    """Return a short text with what is allowed for a key; "" if the key is unknown."""
+    field = _field(key)
+    return allowed_text(field) if field else ""
 
 
 def types_of(key: Key) -> set[str]:
@@ -101,6 +138,8 @@ def _unknown_key(key: Key) -> tuple[str, str]:
     name = str(name)
     section = _section(tuple(parents)) or Config
     names = list(section.model_fields)
+    if radius := _radius_meant(name, names):
+        return f"unknown key, give half of the diameter as {radius}", ""
     close = [known for known in names if known.startswith(name + "_") or _stem(known) == name]
     close += difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     if close:
@@ -110,6 +149,22 @@ def _unknown_key(key: Key) -> tuple[str, str]:
     if elsewhere:
         return f"unknown key here, did you mean {dotted(elsewhere[0])}?", ""
     return "unknown key", ", ".join(names)
+
+
+def _radius_meant(name: str, names: list[str]) -> str:
+    """Return the key of the radius for that of a diameter, or "" if none is meant."""
+    plain = name.lower()
+    if "diameter" not in plain:
+        return ""
+    wanted = _stem(plain.replace("diameter", "radius"))
+    for known in names:
+        if "radius" in known and (_stem(known) in (wanted, f"particle_{wanted}")):
+            return known
+    radii = [known for known in names if "radius" in known]
+    if len(radii) == 1:
+        return radii[0]
+    elsewhere = [path for path, _ in leaves() if _stem(str(path[-1])) == wanted]
+    return dotted(elsewhere[0]) if elsewhere else ""
 
 
 def _stem(name: str) -> str:

@@ -6,6 +6,7 @@ as numbers in the unit of the key.
 
 from __future__ import annotations
 
+import difflib
 from typing import Any
 
 from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, material_name
@@ -56,6 +57,16 @@ def of_material(value: Any, name: str) -> float | None:
     if name not in values:
         raise ValueError(f"{material} has no {name} (it has {', '.join(values)})")
     return values[name]
+
+
+def material_meant(value: Any, name: str) -> str:
+    """Return the material with a quantity whose name a text resembles, or ""."""
+    if not isinstance(value, str):
+        return ""
+    materials = {**PLATE_MATERIALS, **PARTICLE_MATERIALS}
+    known = [material for material, preset in materials.items() if name in preset.values]
+    plain = value.strip().lower().replace("-", "_").replace(" ", "_")
+    return next(iter(difflib.get_close_matches(plain, known, n=1, cutoff=0.6)), "")
 
 
 def with_texts(schema: dict) -> dict:

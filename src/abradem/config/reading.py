@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import itertools
 import os
+import stat
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +15,7 @@ from pydantic import ValidationError
 
 from abradem.config.conflicts import conflicts
 from abradem.config.declaration import Config
-from abradem.config.explaining import explain, types_of
+from abradem.config.explaining import allowed_for, explain, is_accepted, types_of
 from abradem.config.keys import (
     COMMAND_LINE,
     MISSING,
@@ -83,6 +84,19 @@ def read_config(*paths: str | os.PathLike, command_line: Sequence[str] = ()) -> 
     for _, values in sources:
         _merge(merged, values)
     return _checked(merged, sources, problems + found.lines, faulty + found.keys)
+
+
+def origin_in_files(
+    key: Key, paths: Sequence[str | os.PathLike], command_line: Sequence[str] = ()
+) -> str:
+    """Return the last source of a configuration that gives a key; else the first file, or ""."""
+    sources = [
+        (shown_path(path), _parse_file(path)[0])
+        for path in (Path(path).resolve() for path in paths)
+    ]
+    sources.append((COMMAND_LINE, _parse_entries(command_line)[0]))
+    given = [shown for shown, values in sources if lookup(values, key) is not MISSING]
+    return given[-1] if given else sources[0][0] if paths else ""
 
 
 def refuse_all_but_data(path: str | os.PathLike) -> None:
@@ -205,6 +219,11 @@ def _parse_file(path: Path) -> tuple[dict, _Found]:
     """Return the file's values, and the problems of single keys; raise if it is unreadable."""
     shown = shown_path(path)
     try:
+        mode = path.stat().st_mode
+        if not stat.S_ISREG(mode):
+            # A pipe would wait for a writer.
+            kind = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
+            raise ConfigError([f"{shown}: is {kind}, not a file"])
         with open(path, "rb") as file:
             content = file.read(_LARGEST_FILE + 1)
         if len(content) > _LARGEST_FILE:
@@ -308,9 +327,18 @@ def _construct_scalar(node: yaml.Node, key: Key, shown: str, found: _Found) -> A
         return value
     types = types_of(key)
     # The value of a key that does not exist is shown as it is written.
-    problem = misread(node.value, value, types or {"integer", "number", "boolean"})
-    if impossible and not problem:
+    problem = misread(
+        node.value,
+        value,
+        types or {"integer", "number", "boolean"},
+        lambda other: not types or is_accepted(key, other),
+    )
+    if impossible and isinstance(value, datetime.date) and ";" not in problem:
+        problem = "there is no such day"
+    elif impossible and not problem:
         problem = f"not valid YAML: {impossible}"
+    if problem and ";" not in problem and (allowed := allowed_for(key)):
+        problem += f" (allowed {allowed})"
     if not problem or not types:
         return node.value if problem or isinstance(value, datetime.date) else value
     found.lines.append(f"{shown}: {dotted(key)}: {shown_word(node.value)}: {problem}")

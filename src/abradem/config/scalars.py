@@ -12,7 +12,7 @@ import datetime
 import json
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from decimal import Decimal
 from typing import Any
 
@@ -61,7 +61,7 @@ def written(number: int | float, whole: bool) -> str:
     return str(number) if whole and isinstance(number, int) else yaml_float(repr(float(number)))
 
 
-def misread(text: str, value: Any, wanted: Collection[str]) -> str:
+def misread(text: str, value: Any, wanted: Collection[str], accepted: Callable[[Any], bool]) -> str:
     """Return why a word of a file must be written otherwise, or "".
 
     Parameters
@@ -72,6 +72,8 @@ def misread(text: str, value: Any, wanted: Collection[str]) -> str:
         What YAML 1.1 makes of it.
     wanted : collection of str
         Types of the key as in a JSON schema: string, integer, number, boolean, null.
+    accepted : callable
+        Whether the key may have a value; no other value is proposed.
     """
     if value is None or isinstance(value, str) or _SCALARS.isdisjoint(wanted):
         return ""
@@ -90,7 +92,8 @@ def misread(text: str, value: Any, wanted: Collection[str]) -> str:
                 return ""
         elif text == (str(value) if isinstance(value, int) else yaml_float(repr(value))):
             return ""
-    return f"YAML reads this as {_called(value)}; {_instead(text, value, wanted)}"
+    instead = _instead(text, value, wanted, accepted)
+    return f"YAML reads this as {_called(value)}{'; ' if instead else ''}{instead}"
 
 
 def _called(value: Any) -> str:
@@ -101,18 +104,21 @@ def _called(value: Any) -> str:
     return "a date"
 
 
-def _instead(text: str, value: Any, wanted: Collection[str]) -> str:
+def _instead(
+    text: str, value: Any, wanted: Collection[str], accepted: Callable[[Any], bool]
+) -> str:
+    """What to write instead, or "" if nothing is known that would be accepted."""
     if {"integer", "number"}.isdisjoint(wanted):
         if "boolean" in wanted:
             return "write true or false"
-        return f"write {json.dumps(text, ensure_ascii=False)} in quotes"
+        return f"write {json.dumps(text, ensure_ascii=False)} in quotes" if accepted(text) else ""
     whole = "integer" in wanted
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return "write a whole number" if whole else "write a number"
     meant = number_meant(text)
-    if meant is None:
-        return f"write {written(value, isinstance(value, int))} if that is meant"
-    also = (
-        "" if meant == value else f", or {written(value, isinstance(value, int))} if that is meant"
-    )
-    return f"write {written(meant, isinstance(meant, int))}{also}"
+    proposed = []
+    if meant is not None and accepted(meant):
+        proposed.append(written(meant, isinstance(meant, int)))
+    if meant != value and accepted(value):
+        proposed.append(f"{written(value, isinstance(value, int))} if that is meant")
+    return f"write {', or '.join(proposed)}" if proposed else ""

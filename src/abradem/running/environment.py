@@ -28,6 +28,10 @@ FORCED: dict[str, str | None] = {
 """Values that are set; None removes a variable."""
 
 
+_FAILING = ("strict", "surrogateescape")
+"""Ways of a stream to deal with a character that its encoding lacks, which are errors."""
+
+
 def force_environment() -> None:
     """Set `FORCED` for this process and all that it starts.
 
@@ -42,7 +46,7 @@ def force_environment() -> None:
             os.environ[name] = value
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
-        if reconfigure is not None and getattr(stream, "errors", "") == "strict":
+        if reconfigure is not None and getattr(stream, "errors", "") in _FAILING:
             reconfigure(errors="backslashreplace")
 
 

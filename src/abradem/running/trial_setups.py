@@ -66,7 +66,10 @@ def with_values(config: Config, values: Mapping[str, object]) -> Config:
         *path, name = key.split(".")
         section = merged
         for part in path:
-            section = section.get(part) or {}
+            if not isinstance(section.get(part), dict):
+                # Unknown keys are refused with the others, and null becomes a section.
+                section[part] = {}
+            section = section[part]
         section[name] = value
     return load_config(merged, "a set-up")
 
