@@ -33,6 +33,7 @@ SYMBOLS: dict[str, tuple[Fraction, tuple[int, int, int, int]]] = {
     "t": (Fraction(1000), (1, 0, 0, 0)),
     "m": (Fraction(1), (0, 1, 0, 0)),
     "l": (Fraction(1, 1000), (0, 3, 0, 0)),
+    "L": (Fraction(1, 1000), (0, 3, 0, 0)),
     "s": (Fraction(1), (0, 0, 1, 0)),
     "min": (Fraction(60), (0, 0, 1, 0)),
     "h": (Fraction(3600), (0, 0, 1, 0)),
@@ -47,6 +48,7 @@ SYMBOLS: dict[str, tuple[Fraction, tuple[int, int, int, int]]] = {
     "ft": (_FOOT, (0, 1, 0, 0)),
     "lb": (_POUND, (1, 0, 0, 0)),
     "psi": (_POUND * _GRAVITY / (_FOOT / 12) ** 2, (1, -1, -2, 0)),
+    "ksi": (1000 * _POUND * _GRAVITY / (_FOOT / 12) ** 2, (1, -1, -2, 0)),
 }
 """Factor to the base units, and powers of the base dimensions, of each symbol."""
 
@@ -61,8 +63,8 @@ _PREFIXES = {
     "n": Fraction(1, 10**9),
 }
 _WITH_PREFIX = {
-    "g": "kmu", "t": "k", "m": "kdcmun", "s": "mun", "l": "dcm", "N": "GMkm", "J": "GMkm",
-    "Nm": "Mkm", "Pa": "GMkm", "bar": "km", "rad": "mu",
+    "g": "kmu", "t": "k", "m": "kdcmun", "s": "mun", "l": "dcm", "L": "dcm",
+    "N": "GMkm", "J": "GMkm", "Nm": "Mkm", "Pa": "GMkm", "bar": "km", "rad": "mu",
 }  # fmt: skip
 """Prefixes that a symbol may have; others are more often a slip, such as Grad."""
 
@@ -349,13 +351,9 @@ def _product(text: str, whole: str, inner: bool = False, begun: bool = False) ->
 
 
 def _symbol(symbol: str, whole: str) -> Unit:
-    if symbol == "ksi":
-        factor, powers = SYMBOLS["psi"]
-        return Unit(1000 * factor, powers)
     word = _WORDS.get(symbol) or (_WORDS.get(symbol.lower()) if len(symbol) > 3 else None)
     if word and word != symbol:
         return parse_unit(word)
-    symbol = {"L": "l"}.get(symbol, f"{symbol[0]}l" if symbol in ("mL", "cL", "dL") else symbol)
     if symbol in SYMBOLS:
         return Unit(*SYMBOLS[symbol])
     prefix, rest = symbol[:1], symbol[1:]

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from abradem.config.materials import PARTICLE_MATERIALS, material_name, preset
+from abradem.config.materials import PARTICLE_MATERIALS, material_name, preset, similar_material
 from abradem.dataset.known_names import hint_for, known_quantity
 from abradem.quantities import SAMPLED_NAMES, quantity
 from abradem.surrogate.model import PredictionError
 from abradem.units import parse_quantity, parse_value
-
-_ALIKE = 0.6
-"""Similarity of two names (Ratcliff and Obershelp) from which one may be meant by the other."""
 
 _LEVEL = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?\s*(%?)")
 
@@ -113,8 +109,8 @@ def _particle_material(text: str) -> str:
     name = material_name(text)
     if name in PARTICLE_MATERIALS:
         return name
-    close = difflib.get_close_matches(text.lower(), PARTICLE_MATERIALS, 1, _ALIKE)
-    hint = f", did you mean {close[0]}?" if close else ""
+    close = similar_material(text, PARTICLE_MATERIALS)
+    hint = f", did you mean {close}?" if close else ""
     raise PredictionError(
         f"--material {text}: no such preset{hint} (allowed {', '.join(sorted(PARTICLE_MATERIALS))})"
     )

@@ -8,6 +8,8 @@ the paper's ranges.
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from abradem.elastic import shear_modulus
@@ -69,8 +71,17 @@ PARTICLE_MATERIALS: dict[str, Preset] = {
 
 def material_name(text: str) -> str | None:
     """Return the name of a preset, whatever case and separators, or None if there is none."""
-    plain = text.strip().lower().replace("-", "_").replace(" ", "_")
+    plain = _plain(text)
     return plain if plain in PARTICLE_MATERIALS or plain in PLATE_MATERIALS else None
+
+
+def similar_material(text: str, known: Iterable[str]) -> str:
+    """Return the preset among ``known`` that a text resembles, or ""."""
+    return next(iter(difflib.get_close_matches(_plain(text), list(known), n=1, cutoff=0.6)), "")
+
+
+def _plain(text: str) -> str:
+    return text.strip().lower().replace("-", "_").replace(" ", "_")
 
 
 def preset(particle: str, plate: str = "steel") -> dict[str, float]:

@@ -6,10 +6,14 @@ as numbers in the unit of the key.
 
 from __future__ import annotations
 
-import difflib
 from typing import Any
 
-from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, material_name
+from abradem.config.materials import (
+    PARTICLE_MATERIALS,
+    PLATE_MATERIALS,
+    material_name,
+    similar_material,
+)
 from abradem.units import has_unit, parse_quantity
 
 PATTERN = r"^[-+−]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+−]?[0-9]+)?\s*[^\s0-9.,eE+-].*$"
@@ -65,8 +69,7 @@ def material_meant(value: Any, name: str) -> str:
         return ""
     materials = {**PLATE_MATERIALS, **PARTICLE_MATERIALS}
     known = [material for material, preset in materials.items() if name in preset.values]
-    plain = value.strip().lower().replace("-", "_").replace(" ", "_")
-    return next(iter(difflib.get_close_matches(plain, known, n=1, cutoff=0.6)), "")
+    return similar_material(value, known)
 
 
 def with_texts(schema: dict) -> dict:

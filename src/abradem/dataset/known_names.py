@@ -63,10 +63,14 @@ _GENERAL = {"particle", "equipment", "plate", "factory", "material", "interactio
 _INVISIBLE = dict.fromkeys([0x200B, 0x200C, 0x200D, 0x200E, 0x200F, 0x2060, 0xFEFF])
 
 
+def visible(name: str) -> str:
+    """Return a name without blanks around it and without characters that are not seen."""
+    return name.translate(_INVISIBLE).strip()
+
+
 def normal(name: str) -> str:
     """Return a name without case, with one underscore between its words."""
-    plain = name.translate(_INVISIBLE).strip().lower()
-    return re.sub(r"[\s_.-]+", "_", plain).strip("_")
+    return re.sub(r"[\s_.-]+", "_", visible(name).lower()).strip("_")
 
 
 def names_of(name: str) -> dict[str, str | None]:

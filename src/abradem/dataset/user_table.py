@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from abradem.dataset.known_names import PUBLISHED_NAMES, may_mean, names_of, normal
+from abradem.dataset.known_names import PUBLISHED_NAMES, may_mean, names_of, normal, visible
 from abradem.quantities import TARGET, quantity
 from abradem.store.columns import COLUMNS
 from abradem.store.files import TableError
@@ -144,7 +144,7 @@ def read_user_table(path: str | Path) -> UserTable:
         from abradem.store.tables import range_index, read_table, read_units
 
         frame = read_table(file)
-        units = {_clean(name): unit for name, unit in read_units(file).items() if unit}
+        units = {visible(name): unit for name, unit in read_units(file).items() if unit}
         if lost := range_index(file):
             raise TableError(
                 f"{path}: its index {lost!r} is in the metadata for pandas alone; write it as a "
@@ -154,18 +154,13 @@ def read_user_table(path: str | Path) -> UserTable:
         frame, separator = _read_csv(file)
         units = {}
     # Names as text, because a Parquet file can be of any origin.
-    frame.columns = pd.Index([_clean(str(name)) for name in frame.columns], dtype=object)
+    frame.columns = pd.Index([visible(str(name)) for name in frame.columns], dtype=object)
     twice = [repr(name) for name, count in Counter(frame.columns).items() if count > 1]
     if twice:
         raise TableError(f"{path}: column {', '.join(twice)} appears twice")
     if not len(frame):
         raise TableError(f"{path}: holds no rows")
     return UserTable(Path(path), frame.reset_index(drop=True), units, separator)
-
-
-def _clean(name: str) -> str:
-    """Return a name without blanks around it and without characters that are not seen."""
-    return re.sub("[\u200b-\u200f\u2060\ufeff]", "", name).strip()
 
 
 def _read_csv(path: Path) -> tuple[pd.DataFrame, str]:
@@ -195,7 +190,7 @@ def _read_csv(path: Path) -> tuple[pd.DataFrame, str]:
     kept = [
         place
         for place, name in enumerate(header)
-        if _clean(name) or any(cell.strip() for cell in columns[place])
+        if visible(name) or any(cell.strip() for cell in columns[place])
     ]
     frame = pd.DataFrame({place: columns[place] for place in kept}, dtype=object)
     return frame.set_axis([header[place] for place in kept], axis=1), separator

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from abradem.store.checksums import FOLDER, LOGS, Checksum, difference, read_record, recorded
+from abradem.store.checksums import FOLDER, LOGS, difference, recorded, sound_record
 from abradem.store.files import TableError, read_arrays, read_json
 from abradem.store.tables import read_table
 
@@ -77,7 +77,7 @@ class Examination(NamedTuple):
 def examine(study: Path) -> Examination:
     """Check all results in the folder of a study."""
     known = dict.fromkeys(recorded(study))
-    records = {name: _record(study, name) for name in known}
+    records = {name: sound_record(study, name) for name in known}
     targets: dict[str, dict[str, None]] = {}
     written: dict[str, list[str]] = {}
     for name, record in records.items():
@@ -120,14 +120,6 @@ def _target_of_snakemake(name: str, targets: Mapping[str, Mapping[str, None]]) -
         measured = targets.get(job) or targets.get(job.replace("/", "_"))
         return next(iter(measured)) if measured else None
     return None
-
-
-def _record(study: Path, name: str) -> Checksum | None:
-    try:
-        return read_record(study, name)
-    except ValueError:
-        # `difference` says so.
-        return None
 
 
 def _results(study: Path) -> Iterator[str]:

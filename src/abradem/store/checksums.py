@@ -99,7 +99,7 @@ def _has_records(folder: Path, name: str) -> bool:
     """Whether a folder has sound records; that of a file in it is looked at first."""
     if not (folder / FOLDER).is_dir():
         return False
-    own = _sound_record(folder, name)
+    own = sound_record(folder, name)
     return own is not None or next(_sound_records(folder), None) is not None
 
 
@@ -107,11 +107,12 @@ def _sound_records(folder: Path) -> Iterator[Checksum]:
     """The records of a folder that have the format of this module, in any order."""
     for path in Path(folder, FOLDER).rglob(f"*{SUFFIX}"):
         name = path.relative_to(folder / FOLDER).as_posix().removesuffix(SUFFIX)
-        if (record := _sound_record(folder, name)) is not None:
+        if (record := sound_record(folder, name)) is not None:
             yield record
 
 
-def _sound_record(folder: Path, name: str) -> Checksum | None:
+def sound_record(folder: Path, name: str) -> Checksum | None:
+    """Return the record of a file, or None if there is none or it is damaged."""
     try:
         return read_record(folder, name)
     except ValueError:

@@ -83,16 +83,12 @@ WEAR_WORDS = {
 }
 """Descriptions of the wear rates of the data set, by column."""
 
-_COLUMN_WORDS = {
-    wear_column(measure, statistic): words
-    for measure in MEASURE_WORDS
-    for statistic, words in STATISTIC_WORDS.items()
-}
-
 
 def wear_words(column: str) -> str:
     """Return of what place of the plate a wear rate is, such as "mean over the plate"."""
-    return _COLUMN_WORDS.get(column, "as in the table that the model learned from")
+    if column not in WEAR_WORDS:
+        return "as in the table that the model learned from"
+    return STATISTIC_WORDS[column.rpartition("_")[2]]
 
 
 PROTOCOLS = {"as_published": "as published", "leakage_free": "leakage-free"}
