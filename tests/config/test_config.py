@@ -307,7 +307,7 @@ MALFORMED = {
         "config.yaml: sampling.ranges.particle_radius_mm: [5.0, 40.0] (default): a particle must not be wider than the plate (allowed radius up to 30 mm on a plate of 60 x 300 mm)",
     ),
     "facet_larger_than_the_plate": (
-        "study: a\nsimulation:\n  plate:\n    facet_size_mm: 400\n",
+        "study: a\nsimulation:\n  plate:\n    facet_size_mm: 400\nwear_rate:\n  element_size_mm: null\n",
         "config.yaml: simulation.plate.facet_size_mm: 400: a facet must not be larger than the plate (allowed up to 300 mm)",
     ),
     "too_many_facets": (
@@ -315,12 +315,12 @@ MALFORMED = {
         "config.yaml: simulation.plate.facet_size_mm: 0.01: divides the plate into 900000000 facets (allowed up to 1000000)",
     ),
     "end_before_the_window_closes": (
-        "study: a\nsimulation:\n  stop:\n    max_time_s: 4\n",
-        "config.yaml: simulation.stop.max_time_s: 4: must be longer than the window (allowed above 5 s)",
+        "study: a\nsimulation:\n  stop:\n    max_time_s: 2\n",
+        "config.yaml: simulation.stop.max_time_s: 2: must be longer than the window (allowed above 2.5 s)",
     ),
     "too_few_samples": (
         "study: a\nsimulation:\n  stop:\n    sample_interval_s: 1\n",
-        "config.yaml: simulation.stop.sample_interval_s: 1: gives too few samples for 20 batches of the window (allowed up to 0.25 s)",
+        "config.yaml: simulation.stop.sample_interval_s: 1: gives too few samples for 20 batches of the window (allowed up to 0.125 s)",
     ),
     "empty_section": (
         "study: a\nsampling:\n",
@@ -351,8 +351,8 @@ MALFORMED = {
         'config.yaml: learning.target: "wear_mean": is unknown (allowed wear_total_mean, wear_total_worn, wear_total_footprint, wear_total_p99, wear_total_max, wear_sliding_mean, wear_sliding_worn, wear_sliding_footprint, wear_sliding_p99, wear_sliding_max, wear_friction_mean, wear_friction_worn, wear_friction_footprint, wear_friction_p99, wear_friction_max)',
     ),
     "arc_that_reaches_the_plate": (
-        "study: a\nsimulation:\n  factory: {arc_radius_mm: 250, angle_acts: arc}\n",
-        "config.yaml: simulation.factory.arc_radius_mm: 250: must be less than the fall height (allowed below 250 mm)",
+        "study: a\nsimulation:\n  factory: {arc_radius_mm: 385, angle_acts: arc}\n",
+        "config.yaml: simulation.factory.arc_radius_mm: 385: must be less than the fall height (allowed below 385 mm)",
     ),
     "elements_that_do_not_fit": (
         "study: a\nwear_rate:\n  element_size_mm: 40\n",
@@ -452,10 +452,10 @@ MALFORMED = {
     ),
     "more_samples_than_a_series_holds": (
         "study: a\nsimulation:\n  stop:\n    sample_interval_s: 0.00001\n",
-        "config.yaml: simulation.stop.sample_interval_s: 1.0e-05: gives more than 100000 samples in max_time_s (allowed from 0.0006 s)",
+        "config.yaml: simulation.stop.sample_interval_s: 1.0e-05: gives more than 100000 samples in max_time_s (allowed from 0.0001 s)",
     ),
     "maps_that_fill_the_memory": (
-        "study: a\nsimulation:\n  plate:\n    facet_size_mm: 0.5\n  stop:\n    max_time_s: 25000\n    sample_interval_s: 0.25\n",
+        "study: a\nsimulation:\n  plate:\n    facet_size_mm: 0.5\n  stop:\n    max_time_s: 25000\n    window_s: 5\n    sample_interval_s: 0.25\n",
         "config.yaml: simulation.plate.facet_size_mm: 0.5: with 360000 facets, 50000 maps of a case would fill the memory; take larger facets, a longer window or a shorter max_time_s (allowed 4 GB)",
     ),
     "step_that_never_ends": (
@@ -901,7 +901,7 @@ def test_paper_study_is_what_the_paper_simulates():
     assert config.sampling.method == "lhs"
     # The paper's 0.2 would bias the headline by more than 1 % (docs/method.md).
     assert config.simulation.time_step_rayleigh_fraction == 0.15
-    assert config.simulation.stop.window_s == 5.0
+    assert config.simulation.stop.window_s == 2.5
     for row in SAMPLED:
         assert tuple(sampled_ranges(config)[row.name]) == row.paper_range
 
@@ -957,8 +957,9 @@ def test_options_are_those_of_the_engine(section, name, allowed):
     assert get_args(section.model_fields[name].annotation) == allowed
 
 
-def test_default_setup_is_that_of_the_engine():
-    assert Setup.from_dict(setup_dict(Config(study="a"))) == model.Setup()
+def test_default_setup_of_the_engine_is_the_dilute_study():
+    dilute = read_config(CONFIG, ROOT / "studies/dilute.yaml")
+    assert Setup.from_dict(setup_dict(dilute)) == model.Setup()
 
 
 def test_setup_is_plain_data_and_names_every_field_of_the_engine(write):
@@ -1019,7 +1020,18 @@ def test_the_estimate_adds_up_cases_and_starts_of_jobs():
                 "blocks": changes.get("blocks", 1),
                 "ranges": {"particle_radius_mm": 10, "particle_density": 2500, "plate_angle": 70},
             },
-            "simulation": {"cases_per_job": 1, "stop": {"window_s": 99, "max_time_s": 100}},
+            "simulation": {
+                "cases_per_job": 1,
+                "stop": {"window_s": 99, "max_time_s": 100},
+                "factory": {
+                    "mass_rate_kg_s": 4,
+                    "patch_length_mm": 100,
+                    "patch_width_mm": 100,
+                    "fall_height_mm": 250,
+                    "angle_acts": "tilt",
+                    "arc_radius_mm": 0,
+                },
+            },
         }
         line = estimate(Config.model_validate(study), cores=changes.get("cores", 1))
         number, unit = re.search(r"about ([\d.]+) (\w+) on", line).groups()

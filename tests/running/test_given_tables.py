@@ -95,17 +95,20 @@ def test_a_key_below_an_empty_section_is_not_lost():
         calibration_inputs(config)
 
 
+TARGET = {"target": "wear_total_mean"}
+
+
 def test_a_table_in_which_nothing_varies_is_refused(capsys):
     fixed = {name: product_law(1)[name][0] for name in SAMPLED_NAMES}
     table = product_law(24).assign(**fixed)[[*SAMPLED_NAMES, "wear_total_mean"]]
     table.to_csv("fixed.csv", index=False)
     for option in ("--check", "--folder"):
-        code, lines = checked(capsys, option, dataset={"external": "fixed.csv"})
+        code, lines = checked(capsys, option, dataset={"external": "fixed.csv"}, learning=TARGET)
         assert code == 2 and lines[-1].startswith(
             "dataset.external: fixed.csv: every quantity has the same value in all rows"
         )
     varied = product_law(24)[[*SAMPLED_NAMES, "wear_total_mean"]]
     varied.to_csv("varied.csv", index=False)
-    assert checked(capsys, dataset={"external": "varied.csv"})[0] == 0
-    config = load_config({"study": "a", "dataset": {"external": "varied.csv"}})
+    assert checked(capsys, dataset={"external": "varied.csv"}, learning=TARGET)[0] == 0
+    config = load_config({"study": "a", "dataset": {"external": "varied.csv"}, "learning": TARGET})
     assert external_input(config) == ("varied.csv", "", "")

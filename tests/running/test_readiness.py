@@ -68,7 +68,7 @@ def test_a_typical_case_that_cannot_be_simulated_is_one_line_for_all_angles():
     typical = {"particle_radius_mm": 100, "plate_angle": 0}
     config = study(
         figures={"series_cases": [0], "typical": typical},
-        simulation={"factory": {"fall_height_mm": 50}},
+        simulation={"factory": {"fall_height_mm": 50, "arc_radius_mm": 0}},
     )
     (line,) = problems_at_start(config, {"scene", "angles"}, False)
     assert line.startswith("figures.typical: cannot be simulated: ")
@@ -77,7 +77,7 @@ def test_a_typical_case_that_cannot_be_simulated_is_one_line_for_all_angles():
 
 def test_a_table_is_refused_with_all_its_problems():
     table = product_law(24)[["case_id", "wear_total_mean"]]
-    config = study(dataset={"external": "t.csv"})
+    config = study(dataset={"external": "t.csv"}, learning={"target": "wear_total_mean"})
     assert problems_of_table(config, table) == []
     assert problems_of_table(config, table.assign(wear_total_mean=0.0)) == [
         "t.csv: wear_total_mean is nowhere positive, there is nothing to learn"

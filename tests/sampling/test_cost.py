@@ -14,8 +14,8 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def paper():
-    """Block 0 of the paper's study, and its set-up as plain values."""
-    config = read_config(ROOT / "config.yaml")
+    """Block 0 of the dilute study, and its set-up as plain values."""
+    config = read_config(ROOT / "config.yaml", ROOT / "studies/dilute.yaml")
     return block_cases(1, 0, 100, "lhs", sampled_ranges(config)), setup_dict(config)
 
 

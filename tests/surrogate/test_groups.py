@@ -76,7 +76,8 @@ def test_frictionless_and_weightless_cases_have_finite_groups():
 def test_the_jet_comes_from_the_set_up():
     from abradem.config import Config, setup_dict
 
-    assert jet_of(setup_dict(Config(study="a"))) == pytest.approx(JET)
+    crowded = Jet(0.385, 9.81, 42.0, None, 0.09, 0.09, "arc", 0.235)
+    assert jet_of(setup_dict(Config(study="a"))) == crowded
 
 
 # Power law

@@ -255,40 +255,40 @@ class Factory(Section):
     """Release of the particles: position and rate."""
 
     patch_length_mm: float = _key(
-        100.0,
+        300.0,
         "Extent of the patch of particle centres along its slope.",
         unit="mm",
         gt=0.0,
         le=100_000.0,
     )
     patch_width_mm: float = _key(
-        100.0,
+        300.0,
         "Extent of the patch of particle centres across its slope.",
         unit="mm",
         gt=0.0,
         le=100_000.0,
     )
     fall_height_mm: float = _key(
-        250.0,
+        385.0,
         "Height of the centre of the patch above the centre of the plate at a factory angle of 0.",
         unit="mm",
         gt=0.0,
         le=100_000.0,
     )
     angle_acts: Literal["tilt", "level", "arc"] = _key(
-        "tilt",
+        "arc",
         "How the factory angle acts. tilt: the patch is tilted about its centre, so the jet "
         "narrows. level: the patch stays level, and the angle does nothing. arc: the level patch "
         "is lower by arc_radius times 1 - cos(factory angle).",
     )
     arc_radius_mm: float = _key(
-        0.0, "Radius of the arc, for angle_acts: arc alone.", unit="mm", ge=0.0, le=100_000.0
+        235.0, "Radius of the arc, for angle_acts: arc alone.", unit="mm", ge=0.0, le=100_000.0
     )
     feed: Literal["mass", "number"] = _key(
         "mass", "Which rate is prescribed: mass per time or particles per time."
     )
     mass_rate_kg_s: float | None = _key(
-        4.0, "Mass rate for feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
+        42.0, "Mass rate for feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
     )
     number_rate_per_s: float | None = _key(
         None, "Particle rate for feed: number, otherwise null.", unit="1/s", gt=0.0, le=1e9
@@ -328,7 +328,7 @@ class Stop(Section):
     """Stop rule: when a simulation ends."""
 
     window_s: float = _key(
-        5.0,
+        2.5,
         "Steady time over which the wear of the facets is recorded; also the shortest steady time "
         "that is simulated.",
         unit="s",
@@ -336,10 +336,10 @@ class Stop(Section):
         le=10_000.0,
     )
     max_time_s: float = _key(
-        60.0, "Longest simulated time of a case.", unit="s", gt=0.0, le=100_000.0
+        10.0, "Longest simulated time of a case.", unit="s", gt=0.0, le=100_000.0
     )
     target_stderr: float = _key(
-        0.02,
+        0.2,
         "A case ends when the relative standard error of its plate-mean wear rate is at most this.",
         gt=0.0,
         le=1.0,
@@ -444,7 +444,7 @@ class WearRate(Section):
         le=1.0,
     )
     element_size_mm: float | None = _key(
-        None,
+        30.0,
         "Edge of the elements of the statistics worn, footprint, p99 and max: a whole number of "
         "facets, and a whole part of the plate. null: the facets.",
         unit="mm",
@@ -629,7 +629,7 @@ class Learning(Section):
     """Models of the data set, each as published and leakage-free (docs/learning.md)."""
 
     target: Literal[_TARGETS] = _key(  # type: ignore[valid-type]  # names of a table
-        "wear_total_mean", "Column of the data set to predict."
+        "wear_friction_p99", "Column of the data set to predict."
     )
     test_share: float = _key(
         0.2, "Share of the cases held out as test set of each fit (leakage-free).", ge=0.05, le=0.9
@@ -821,7 +821,7 @@ class Typical(Section):
 
     plate_angle: float = _key(35.0, "Plate angle.", unit="deg", ge=-90.0, le=90.0)
     factory_angle: float = _key(-30.0, "Factory angle.", unit="deg", ge=-90.0, le=90.0)
-    particle_radius_mm: float = _key(10.0, "Particle radius.", unit="mm", ge=0.1, le=100.0)
+    particle_radius_mm: float = _key(15.0, "Particle radius.", unit="mm", ge=0.1, le=100.0)
     particle_velocity_y: float = _key(
         -3.0, "Particle velocity (vertical).", unit="m/s", ge=-30.0, le=0.0
     )
@@ -853,7 +853,7 @@ class Angles(Section):
         min_length=1,
         max_length=20,
     )
-    duration_s: float = _key(10.0, "Simulated time of each case.", unit="s", gt=0.0, le=10_000.0)
+    duration_s: float = _key(5.0, "Simulated time of each case.", unit="s", gt=0.0, le=10_000.0)
 
 
 class Movie(Section):

@@ -54,7 +54,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     ----------
     case : Case
     setup : Setup, optional
-        The default is the set-up of the paper.
+        The default is that of `studies/dilute.yaml`.
     releases : tuple of array_like, optional
         Times (n,) in s, positions (n, 3) in m, velocities (n, 3) in m/s and, optionally, spins
         (n, 3) in rad/s of the released particles. They replace the factory, so that other codes
