@@ -136,8 +136,10 @@ def main() -> None:
                 table = ratios(of_size)
                 names = [wear_column("total", statistic) for statistic in STATISTICS]
                 spread = of_size[names].std(ddof=1) / of_size[names].mean()
-                print(f"  elements of {1e3 * size:g} mm, {len(of_size)} replicates; relative "
-                      "scatter of total: " + ", ".join(f"{value:.3f}" for value in spread))  # fmt: skip
+                print(
+                    f"  elements of {1e3 * size:g} mm, {len(of_size)} replicates; relative scatter "
+                    f"of total: {', '.join(f'{value:.3f}' for value in spread)}"
+                )
                 print("   ", table.to_string(float_format="{:.2f}".format).replace("\n", "\n    "))
                 found.append(table.assign(kind=kind, element_size=size))
     whole = pd.concat(found)
