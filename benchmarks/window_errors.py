@@ -4,9 +4,9 @@
 
 Each set-up is simulated with many seeds. For each wear rate the root mean square of its stated
 standard errors is divided by the standard deviation over the seeds: 1 is right, above 1 is too
-cautious. From 40 seeds the ratio is known to 11 % at best. The row "jackknife" is for comparison: what the
-jackknife over the parts of the window would state for `total`. The lines at the end are the table
-of docs/method.md.
+cautious. From 40 seeds the ratio is known to 11 % at best. The row "jackknife" is for comparison:
+what the jackknife over the parts of the window would state for `total`. The lines at the end are
+the table of docs/method.md.
 """
 
 from __future__ import annotations
