@@ -65,7 +65,7 @@ FALL = math.sqrt(25.0 + 2.0 * 9.81 * 0.25)
     ("e", "steps", "angle", "measure"),
     [
         (0.05, 6.0, 45.0, "total"), (0.05, 10.0, 0.0, "total"), (0.2, 8.0, 20.0, "total"),
-        (0.5, 11.0, 10.0, "total"), (0.5, 6.0, 30.0, "total"), (1.0, 8.0, 10.0, "friction"),
+        (0.5, 11.0, 10.0, "total"), (0.5, 6.0, 30.0, "total"), (0.95, 8.0, 25.0, "friction"),
     ],
 )  # fmt: skip
 def test_a_step_that_biases_the_first_impact_by_more_than_5_percent_is_refused(

@@ -102,7 +102,7 @@ def test_documented_biases_are_those_of_the_study():
 
 
 def stated_angles():
-    """The table of the largest bias at each angle that the study would return if it is as stated."""
+    """The table by angle that the study would return if all is as stated."""
     return pd.DataFrame(
         [
             {"fraction": fraction, "measure": measure, "restitution": 0.5, "angle": angle,
