@@ -130,7 +130,7 @@ def test_a_replay_of_the_stop_rule_stops_where_the_simulation_did(target):
         assert result.simulated_time < 29.0
         longer = simulate(case, replace(setup, duration=result.simulated_time + 2.0))
         rate, stderr, end = windows.stopped_rate(
-            longer.time, longer.worn[:, 0], longer.present, setup.window, target
+            longer.time, longer.worn[:, 0], longer.present, setup, result.release_interval
         )
         assert end == result.simulated_time and stderr == result.stderr
         steady = result.time >= result.steady_from
