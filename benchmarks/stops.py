@@ -1,7 +1,7 @@
 """How often the 95 % intervals of cases that the stop rule ended hold the true rate.
 
-    python benchmarks/coverage.py                       # 8 minutes of computing
-    python benchmarks/coverage.py --corners 0 1 --seeds 1000
+    python benchmarks/stops.py                       # 8 minutes of computing
+    python benchmarks/stops.py --corners 0 1 --seeds 1000
 
 Records of a fixed length are simulated with many seeds, and the stop rule is replayed on them (the
 engine ends at the same sample, tests/dem/test_stop.py). The true rate is the mean of all records
@@ -24,10 +24,10 @@ from abradem.verification.jets import JET, jet_case, run_jet
 from abradem.verification.stop_rule import long_rate
 
 CORNERS = (
-    ("R 40 mm, 8 deg", {"particle_radius": 0.04, "plate_angle": 8.0}, 60.0, 1000),
-    ("R 40 mm, 60 deg", {"particle_radius": 0.04, "plate_angle": 60.0}, 60.0, 1000),
-    ("R 10 mm, 8 deg", {"particle_radius": 0.01, "plate_angle": 8.0}, 10.0, 60),
-    ("R 10 mm, 60 deg", {"particle_radius": 0.01, "plate_angle": 60.0}, 20.0, 500),
+    ("R 40 mm, 8 deg", {"particle_radius": 0.04, "plate_angle": 8.0}, 60.0, 300),
+    ("R 40 mm, 60 deg", {"particle_radius": 0.04, "plate_angle": 60.0}, 60.0, 300),
+    ("R 10 mm, 8 deg", {"particle_radius": 0.01, "plate_angle": 8.0}, 10.0, 30),
+    ("R 10 mm, 60 deg", {"particle_radius": 0.01, "plate_angle": 60.0}, 20.0, 300),
     ("R 40 mm, 8 deg, e 0.8, factory -60 deg",
      {"particle_radius": 0.04, "plate_angle": 8.0, "restitution": 0.8, "factory_angle": -60.0},
      60.0, 300),
