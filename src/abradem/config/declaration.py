@@ -340,7 +340,7 @@ class Stop(Section):
     )
     target_stderr: float = _key(
         0.02,
-        "A case ends when the relative standard error of its plate-mean wear rate is at most this.",
+        "A case ends when the relative standard error of its mean `total` rate is at most this.",
         gt=0.0,
         le=1.0,
     )
