@@ -38,12 +38,15 @@ def wear_exponents(
     pandas.DataFrame
         quantity, exponent, exponent_stderr. Empty if there are too few rows.
     """
+    none = pd.DataFrame(columns=["quantity", "exponent", "exponent_stderr"])
+    if rows.empty:
+        return none
     terms = design(rows, setup, full)
     varied = [name for name in terms if np.ptp(terms[name]) > 1e-9 * np.abs(terms[name]).max()]
     x = np.column_stack([np.ones(len(rows)), *(terms[name] for name in varied)])
     freedom = len(rows) - x.shape[1]
     if freedom < 1 or np.linalg.matrix_rank(x) < x.shape[1]:
-        return pd.DataFrame(columns=["quantity", "exponent", "exponent_stderr"])
+        return none
     solution, *_ = np.linalg.lstsq(x, np.log(wear), rcond=None)
     residual = np.log(wear) - x @ solution
     covariance = np.linalg.inv(x.T @ x) * float(residual @ residual) / freedom

@@ -70,7 +70,7 @@ def quality_figure(
         else:
             line = ""
             style.say_nothing_to_show(left, "the standard error of the target is not known")
-        left.set_title(f"{style.letter(0)} standard error, {target.place}", loc="left")
+        left.set_title(f"{style.letter(0)} {target.place}", loc="left")
 
         # R2 is close to 1, so 1 - R2 is shown on a logarithmic axis.
         distance = np.clip(1.0 - scores, 1e-8, None)
