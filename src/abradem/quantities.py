@@ -164,8 +164,8 @@ def wear_parts(column: str) -> tuple[str, str]:
 
 # Every wear rate is the target X21 of the study that predicts it.
 _BY_NAME = {
-    **{column: replace(TARGET, name=column) for column in WEAR_COLUMNS},
     **{q.name: q for q in QUANTITIES},
+    **{column: replace(TARGET, name=column) for column in WEAR_COLUMNS},
 }
 
 
