@@ -13,7 +13,7 @@ from abradem.calibration.rows import arranged_rows
 from abradem.calibration.space import draw, keys_of, unknowns
 from abradem.calibration.trials import run_trial
 from abradem.config import Config, setup_dict
-from abradem.dataset.exponents import wear_exponents
+from abradem.dataset.power_fit import wear_exponents
 
 RATE, ACTS = "simulation.factory.mass_rate_kg_s", "simulation.factory.angle_acts"
 SIDES = "simulation.factory.patch_length_mm, simulation.factory.patch_width_mm"

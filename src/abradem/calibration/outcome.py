@@ -11,7 +11,7 @@ import pandas as pd
 from abradem.calibration.agreement import SCORES, agreement, scored, simulated_means
 from abradem.calibration.halving import best_readings, combination
 from abradem.calibration.space import Unknown
-from abradem.dataset.exponents import design, wear_exponents
+from abradem.dataset.power_fit import design, wear_exponents
 from abradem.quantities import wear_column
 
 BINS = 4

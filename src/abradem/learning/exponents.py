@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from abradem.dataset.exponents import wear_exponents
+from abradem.dataset.power_fit import wear_exponents
 
 LEAST_SPEED = 4.0
 """Cases count if their initial speed is above this, m/s."""
@@ -51,7 +51,7 @@ def exponents_beside_published(dataset: pd.DataFrame, target: str, setup: Mappin
     """Exponents of a wear rate, those of the published table, and whether they agree.
 
     ``ln y = a + sum b ln x + c phi + d phi^2 + f theta``, see
-    `abradem.dataset.exponents.wear_exponents`, on the cases faster than `LEAST_SPEED` with a
+    `abradem.dataset.power_fit.wear_exponents`, on the cases faster than `LEAST_SPEED` with a
     positive rate.
 
     Parameters

@@ -49,7 +49,7 @@ POWER_LABELS: dict[str, Label] = {
     "impact_speed": Label("v^2 + 2 g H", "squared speed of impact"),
     "restitution": Label("1 + e", "1 + coefficient of restitution"),
 }
-"""Labels of what has an exponent in a wear rate, see `abradem.dataset.exponents`."""
+"""Labels of what has an exponent in a wear rate, see `abradem.dataset.power_fit`."""
 
 GROUP_LABELS: dict[str, Label] = {
     "constant": Label(r"\ln C", "constant"),
