@@ -428,7 +428,7 @@ def test_a_position_that_is_no_number_ends_the_case_with_its_reason():
 
 
 def test_the_parts_of_the_window_are_consecutive_and_equal():
-    setup = JET.setup(window=2.0, max_time=20.0, target_stderr=0.5, number_rate=40.0, mass_rate=None)
+    setup = JET.setup(window=2.0, max_time=20.0, target_stderr=0.5)
     result = simulate(CASE, setup)
     assert result.facet_wear_parts.shape == (10, *result.facet_wear.shape)
     np.testing.assert_allclose(

@@ -332,8 +332,8 @@ class SimulationResult:
     facet_wear : ndarray, shape (3, nx, nz)
         F_n ds per facet in the time of ``window``, J.
     facet_wear_parts : ndarray, shape (parts, 3, nx, nz)
-        F_n ds per facet in each of the equal parts of the window, J; their sum is ``facet_wear``. No
-        parts if the window was not completed.
+        F_n ds per facet in each of the equal parts of the window, J; their sum is ``facet_wear``.
+        No parts if the window was not completed.
     facet_wear_all : ndarray, shape (3, nx, nz)
         F_n ds per facet from the start to the end, J.
     window : tuple of float

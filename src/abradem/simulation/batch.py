@@ -263,8 +263,8 @@ def _tables(row: Mapping, result) -> dict:
 
 
 PART_BITS = 12
-"""Significant bits of the wear in the parts of a window. They only tell standard errors, and rounded
-they take half of the space."""
+"""Significant bits of the wear in the parts of a window. They only tell standard errors, and
+rounded they take half of the space."""
 
 
 def _parts(case_id: int, wear):

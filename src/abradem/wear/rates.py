@@ -199,9 +199,7 @@ def depth_map(maps: pd.DataFrame, facets: tuple[int, int]) -> dict[str, np.ndarr
     return arrays
 
 
-def part_maps(
-    parts: pd.DataFrame, count: int, facets: tuple[int, int]
-) -> dict[str, np.ndarray]:
+def part_maps(parts: pd.DataFrame, count: int, facets: tuple[int, int]) -> dict[str, np.ndarray]:
     """Return the maps of the parts of one case's window by wear measure, J.
 
     Parameters
@@ -252,15 +250,16 @@ def wear_rates(
     element_size : float, optional
         Edge of the elements of the statistics, m, see `element_counts`; by default a facet.
     parts : pandas.DataFrame, optional
-        Table of the parts of the windows, written by the simulations. Without it the standard errors
-        of the statistics over elements are nan, which saves their time.
+        Table of the parts of the windows, written by the simulations. Without it the standard
+        errors of the statistics over elements are nan, which saves their time.
 
     Returns
     -------
     pandas.DataFrame
         One row per successful case, by case_id: depth rates (mm/s) for each wear measure and
         statistic and their standard errors (mm/s), ``wear_r2``, ``wear_batches`` and
-        ``wear_lag1`` of the headline, ``worn_volume_rate`` (m3/s), ``wear_per_kg`` (m3/kg) and ``quality``.
+        ``wear_lag1`` of the headline, ``worn_volume_rate`` (m3/s), ``wear_per_kg`` (m3/kg) and
+        ``quality``.
 
     Raises
     ------

@@ -7,9 +7,9 @@ one are independent, so::
     V(m) = mean over disjoint sets S, S' of m parts of (T(S) - T(S'))^2 / 2
 
 estimates the variance of T at m parts. It is the variance at g parts that is wanted. For a mean it
-is V(g/2)/2, which is then the variance over the parts divided by g. Other statistics change with the
-duration, such as the number of worn elements, or are extremes. Therefore the last doubling tells
-the next one, by the exponent of V between about g/4 and g/2 parts::
+is V(g/2)/2, which is then the variance over the parts divided by g. Other statistics change with
+the duration, such as the number of worn elements, or are extremes. Therefore the last doubling
+tells the next one, by the exponent of V between about g/4 and g/2 parts::
 
     V(g) = V(g/2) 2^b,   b = ln(V(g/2)/V(g/4)) / ln 2, within [-2, 0]
 

@@ -5,11 +5,12 @@ perfect model, which predicts the expectation, would have an R2 below 1 on simul
 
     R2_floor = 1 - sum_i noise_i^2 / sum_i (y_i - mean y)^2
 
-Two estimates of the noise are compared. Every case has a standard error of its own. In addition, some cases are simulated again with other seeds. The ratio of
-the variance over seeds to the mean square of these standard errors is 1 if the standard errors
-are correct. The noise variance of all cases is multiplied by this ratio. With d degrees of freedom
-(cases times replicates), the confidence band of the ratio is
-[d / chi2_d(0.975), d / chi2_d(0.025)] times the ratio; more replicates give a narrower band.
+Two estimates of the noise are compared. Every case has a standard error of its own. In addition,
+some cases are simulated again with other seeds. The ratio of the variance over seeds to the mean
+square of these standard errors is 1 if the standard errors are correct. The noise variance of all
+cases is multiplied by this ratio. With d degrees of freedom (cases times replicates), the
+confidence band of the ratio is [d / chi2_d(0.975), d / chi2_d(0.025)] times the ratio; more
+replicates give a narrower band.
 
 Only cases with large particles are replicated, evenly over their radii, because a case with small
 particles has many of them and takes minutes. The wear of small particles is less noisy, and for
@@ -55,8 +56,9 @@ def noise_floor(
         standard errors divided by the mean).
     summary : dict
         ``ratio`` and ``r2_floor`` with their bands, ``r2_floor_of_stated_errors`` (for a ratio of
-        1), ``r2_log_floor`` (nan if a target is not positive), ``target``, ``cases``, ``replicates``, ``degrees_of_freedom``, ``confidence``,
-        ``median_relative_stderr`` (of the positive targets).
+        1), ``r2_log_floor`` (nan if a target is not positive), ``target``, ``cases``,
+        ``replicates``, ``degrees_of_freedom``, ``confidence``, ``median_relative_stderr`` (of the
+        positive targets).
     """
     own = dataset[["case_id", target, stderr_column(target)]]
     both = pd.concat([replicates, own[own["case_id"].isin(replicates["case_id"])]])
