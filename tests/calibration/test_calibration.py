@@ -8,13 +8,14 @@ import pytest
 from scipy import stats
 from tables import drawn
 
-from abradem.calibration.agreement import SCORES, agreement, scored, wear_exponents
+from abradem.calibration.agreement import SCORES, agreement, scored
 from abradem.calibration.halving import best_readings, rungs, survivors
 from abradem.calibration.outcome import equally_good, outcome, profiles
 from abradem.calibration.rows import arranged_rows
 from abradem.calibration.space import draw, keys_of, unknowns
 from abradem.calibration.trials import run_trial
 from abradem.config import Config, read_config, setup_dict
+from abradem.dataset.power_fit import wear_exponents
 
 RATE, ACTS = "simulation.factory.mass_rate_kg_s", "simulation.factory.angle_acts"
 SIDES = "simulation.factory.patch_length_mm, simulation.factory.patch_width_mm"
