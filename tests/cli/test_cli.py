@@ -95,8 +95,7 @@ def test_the_case_of_the_study_is_simulated(study, simulated, config, capsys):
     assert first == "case 7: ok, 3.5 s simulated"
     depth_rate = 1e3 * RATE * expected.archard_constant / 0.09
     assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
-    # Without element_size_mm the elements are the facets, here of 30 mm.
-    assert third.startswith("mean over the worn 30 mm elements ")
+    assert third.startswith("mean over the plate ")
     assert "worst 30 mm element " in third
     assert third.count("(standard error 0) mm/s") == 4
 
