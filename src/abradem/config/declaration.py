@@ -299,18 +299,18 @@ class Contact(Section):
     """Options of the contact law that the paper does not specify."""
 
     normal: Literal["exact_e", "nominal_clipped", "nominal_attractive"] = _key(
-        "nominal_attractive",
+        "exact_e",
         "exact_e: never attractive, and an isolated impact rebounds at exactly e. "
         "nominal_clipped: the textbook damping, clipped so that it is never attractive. "
         "nominal_attractive: the textbook damping, which is attractive at the end of a contact.",
     )
     tangential: Literal["incremental", "displacement"] = _key(
-        "displacement",
+        "incremental",
         "incremental: the spring force is accumulated step by step. displacement: it is the "
         "stiffness times the accumulated displacement, as documented for one commercial code.",
     )
     tangential_damping: Literal["capped", "none", "uncapped"] = _key(
-        "uncapped",
+        "capped",
         "capped: Coulomb's law limits the sum of spring and damping force. uncapped: it limits "
         "only the spring force. none: no tangential damping.",
     )
