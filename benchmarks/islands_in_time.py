@@ -43,7 +43,7 @@ def watched(case, setup):
         engine.advance(step, None, None)
         state, live = engine.state, int(engine.state.tally["live"][0])
         particles = state.particles[:live]
-        now = np.where(engine.agenda.asleep[:live], ASLEEP, AWAKE)
+        now = np.where(engine.agenda.plans["awake"][:live] == 0, ASLEEP, AWAKE)
         now[particles["plate_stiffness"] != 0.0] = PLATE
         touching = set()
         for pair in state.pairs[: int(state.tally["pairs"][0])]:

@@ -22,11 +22,12 @@ _CODES = {
 
 _MEANING = (
     "A, M, B: 500 particles of 10 mm per second on plates at 45°, 20°, 0°; "
-    "D: 4 kg/s of 5 mm particles on a level plate"
+    "D: 4 kg/s of 5 mm particles on a level plate; "
+    "E, F: 42 kg/s of 10 mm particles on plates at 35°, 10°"
 )
 """Definition of the scenarios."""
 
-_SCENARIOS = (style.BLUE, style.GREEN, style.ORANGE, style.RED, style.PURPLE)
+_SCENARIOS = (style.BLUE, style.GREEN, style.ORANGE, style.RED, style.PURPLE, style.SKY)
 
 
 def _code_label(code: str) -> str:
