@@ -66,9 +66,7 @@ def main() -> None:
     parser.add_argument("--most", type=int, default=FLYING[-1], help="largest number in the air")
     most = parser.parse_args().most
     print(machine())
-    print(
-        f"{'flying':>8} {'touching':>9} {'islands, us a step':>19} {'synchronous':>12}"
-    )
+    print(f"{'flying':>8} {'touching':>9} {'islands, us a step':>19} {'synchronous':>12}")
     for flying in (number for number in FLYING if number <= most):
         costs, touching = [], 0
         for stepping in ("islands", "synchronous"):

@@ -18,6 +18,14 @@ SLOTS = 32
 
 NEVER = 2**62
 
+CROWD, THIN = 0.5, 0.4
+"""Shares of the particles that touch something, above which `synchronous` takes over and up to
+which it hands back. What is faster changes between these shares, see docs/notes/performance.md."""
+
+FEW, TALL = 256, 4.0
+"""Room for particles up to which cells are taller than wide, by this factor: a thin jet then falls
+through fewer cells, and few particles are in each."""
+
 RING = 4096
 """Number of slots of the queue, a power of two. Slot ``step % RING`` lists who is due at a step."""
 
@@ -61,8 +69,13 @@ CLOCK = np.dtype(
         ("begun", np.int64),
         # Cells per axis of the grid: two to this power; 0: lists of cells and queue are not valid.
         ("bits", np.int64),
-        # Whether `synchronous` does the stepping at present.
+        # Height of a cell in terms of its width.
+        ("tall", np.float64),
+        # Whether `synchronous` does the stepping at present, and the shares of particles in contact
+        # above which it takes over and at which it hands back.
         ("crowded", np.int64),
+        ("crowd", np.float64),
+        ("thin", np.float64),
     ]
 )
 
@@ -114,6 +127,8 @@ def make_agenda(problem: Problem, capacity: int) -> Agenda:
         begun=np.zeros(8 * capacity, np.int64),
     )
     agenda.clock["bits"] = _bits(capacity)
+    agenda.clock["tall"] = TALL if capacity <= FEW else 1.0
+    agenda.clock["crowd"], agenda.clock["thin"] = CROWD, THIN
     return agenda
 
 
@@ -130,6 +145,7 @@ def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
     larger = make_agenda(problem, capacity)
     size = agenda.awake.size
     larger.clock[:] = agenda.clock
+    larger.clock["tall"] = TALL if capacity <= FEW else 1.0
     # Lists of cells and queue are built again at their next use.
     larger.clock["bits"] = 0
     for name in ("plans", "awake", "rows"):

@@ -1,8 +1,9 @@
 """Grid of cells: the particles that can be near a particle.
 
-A particle may leave its cell by the slack without being entered in another one. Cells are so wide
-that particles whose cells are not adjacent still cannot touch. The grid repeats itself along each
-axis, so it has no border: particles a period apart are merely examined for nothing.
+Cells are as wide along x as along z, and as high as wide or higher. A particle may leave its cell
+by the slack without being entered in another one. Cells are so wide that particles whose cells are
+not adjacent still cannot touch. The grid repeats itself along each axis, so it has no border:
+particles a period apart are merely examined for nothing.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ def cell_of(problem, agenda, x, y, z):
     width, bits = cell_width(problem), agenda.clock[0].bits
     mask = (1 << bits) - 1
     cx = np.int64(math.floor(x / width)) & mask
-    cy = np.int64(math.floor(y / width)) & mask
+    cy = np.int64(math.floor(y / (agenda.clock[0].tall * width))) & mask
     cz = np.int64(math.floor(z / width)) & mask
     return (((cx << bits) | cz) << bits) | cy
 
@@ -69,23 +70,30 @@ def change_cell(problem, agenda, i, x, y, z):
 
 
 @kernel(inline=True)
-def distance_to_leave(problem, x, y, z):
-    """Distance that a particle at a point can move without leaving the cell by the slack, m."""
+def distance_to_leave(problem, tall, x, y, z):
+    """Distance that a particle at a point can move without leaving the cell by the slack, m.
+
+    Cells are ``tall`` times as high as wide.
+    """
     width = cell_width(problem)
-    x, y, z = x / width, y / width, z / width
+    x, y, z = x / width, y / (tall * width), z / width
     x, y, z = x - math.floor(x), y - math.floor(y), z - math.floor(z)
-    least = min(min(x, 1.0 - x), min(min(y, 1.0 - y), min(z, 1.0 - z)))
+    least = min(min(x, 1.0 - x), min(tall * min(y, 1.0 - y), min(z, 1.0 - z)))
     return least * width + SLACK * problem.radius
 
 
 @kernel(inline=True)
-def time_to_leave(problem, x, y, z, vx, vy, vz):
-    """Time after which a flying particle has left the cell of its position by the slack, s."""
+def time_to_leave(problem, tall, x, y, z, vx, vy, vz):
+    """Time after which a flying particle has left the cell of its position by the slack, s.
+
+    Cells are ``tall`` times as high as wide.
+    """
     width, slack = cell_width(problem), SLACK * problem.radius
     time_x = _time_along(x, vx, width, slack)
     time_z = _time_along(z, vz, width, slack)
-    low = y - math.floor(y / width) * width
-    time_y = first_time_beyond(low + slack, width - low + slack, vy, problem.gravity)
+    height = tall * width
+    low = y - math.floor(y / height) * height
+    time_y = first_time_beyond(low + slack, height - low + slack, vy, problem.gravity)
     return min(time_x, min(time_y, time_z))
 
 

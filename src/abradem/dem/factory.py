@@ -170,11 +170,8 @@ def _release_scheduled(problem, schedule, state, agenda):
     while tally.placed < total and schedule.step[tally.placed] <= tally.step:
         if tally.live == particles.size:
             return NEEDS_ROOM
-        at, v, w = (
-            schedule.position[tally.placed],
-            schedule.velocity[tally.placed],
-            schedule.spin[tally.placed],
-        )
+        at = schedule.position[tally.placed]
+        place = (at[0], at[1], at[2])
         if agenda is None:
             near = np.empty(tally.live, np.int64)
             near_count = 0
@@ -182,14 +179,13 @@ def _release_scheduled(problem, schedule, state, agenda):
                 if particles[j].motion != GONE:
                     near[near_count] = j
                     near_count += 1
-            free = _is_free(problem, particles, at[0], at[1], at[2], near, near_count)
+            free = _is_free(problem, particles, *place, near, near_count)
         else:
-            free = _is_free_in_cells(problem, state, agenda, at[0], at[1], at[2])
+            free = _is_free_in_cells(problem, state, agenda, *place)
         if not free:
             return STOP_RELEASE
-        _place(
-            problem, state, agenda, (at[0], at[1], at[2]), (v[0], v[1], v[2]), (w[0], w[1], w[2])
-        )
+        v, w = schedule.velocity[tally.placed], schedule.spin[tally.placed]
+        _place(problem, state, agenda, place, (v[0], v[1], v[2]), (w[0], w[1], w[2]))
     if tally.placed == total:
         tally.next_release = np.iinfo(np.int64).max
     else:

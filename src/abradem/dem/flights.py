@@ -58,7 +58,8 @@ def plan_pairs(problem, state, agenda, i, now):
     if plan.meet_due <= now:
         old, meets = -1, NEVER
     change_cell(problem, agenda, i, x, y, z)
-    leaves = due_step(problem, now, time_to_leave(problem, x, y, z, vx, vy, vz))
+    tall = agenda.clock[0].tall
+    leaves = due_step(problem, now, time_to_leave(problem, tall, x, y, z, vx, vy, vz))
     reach = 2.0 * radius * (1.0 + SAFETY)
     contact2 = 4.0 * radius * radius
     touched = 0

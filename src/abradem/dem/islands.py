@@ -16,8 +16,9 @@ among the particles in the cells around a particle (`cells`):
 A sleeping particle is due, in a queue sorted by step, when it can touch something or is in another
 cell. So a step looks at the awake particles, at those that are due, and at nothing else.
 
-If nearly all particles touch something, the bounds cost more than they save. `synchronous` then
-does the stepping until fewer particles touch.
+If most particles touch something, the bounds cost more than they save. `synchronous` then does the
+stepping until fewer touch: in a crowd of more than `SMALLEST_CROWD` particles it takes over if more
+than a share is awake, and hands back if at most another share touches something (`agenda`).
 
 A bound that is too early costs a little time but never misses a contact. Whether two particles
 touch is decided by the same expression as in `synchronous`. Both give bitwise equal results.
@@ -62,9 +63,7 @@ from abradem.dem.state import (
 from abradem.dem.vectors import dot, scaled
 
 SMALLEST_CROWD = 256
-CROWDED, THINNED = 0.5, 0.4
-"""In a crowd of more than `SMALLEST_CROWD` particles `synchronous` takes over if more than the
-share `CROWDED` is awake, and hands back if at most the share `THINNED` touches something."""
+"""Number of particles from which on `synchronous` can take over."""
 
 CROWD_STEPS = 5000
 """Number of steps after which `synchronous` may hand back."""
@@ -83,7 +82,7 @@ def advance(problem, schedule, state, agenda, last_step):
             if outcome == DONE and not _resume_if_thinned(problem, state, agenda):
                 outcome = STOP_CROWDED
             continue
-        if clock.bits == 0 and not _start(problem, state, agenda):
+        if clock.bits == 0 and not plan_all(problem, state, agenda):
             outcome = STOP_CROWDED
             break
         if tally.gone > 16 + tally.live // 8:
@@ -99,7 +98,7 @@ def advance(problem, schedule, state, agenda, last_step):
             if tally.step >= min(tally.next_release, last_step):
                 continue
         outcome = _step(problem, state, agenda)
-        if clock.awake > CROWDED * tally.live and tally.live > SMALLEST_CROWD:
+        if clock.awake > clock.crowd * tally.live and tally.live > SMALLEST_CROWD:
             _refresh(problem, state)
             # `synchronous` then builds its pair list in the first step.
             tally.drift = np.inf
@@ -385,7 +384,7 @@ def _refresh(problem, state):
 
 
 @kernel
-def _start(problem, state, agenda):
+def plan_all(problem, state, agenda):
     """Plan all particles from their positions at the current step; False if a row is full."""
     tally, clock, particles, pairs = state.tally[0], agenda.clock[0], state.particles, state.pairs
     agenda.queue[:] = -1
@@ -441,10 +440,10 @@ def _resume_if_thinned(problem, state, agenda):
     touching = 0
     for i in range(tally.live):
         touching += 1 if particles[i].motion == TOUCHING else 0
-    if touching > THINNED * tally.live:
+    if touching > agenda.clock[0].thin * tally.live:
         return True
     agenda.clock[0].crowded = 0
-    return _start(problem, state, agenda)
+    return plan_all(problem, state, agenda)
 
 
 @kernel

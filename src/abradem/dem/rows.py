@@ -92,7 +92,8 @@ def _make_row(problem, state, agenda, i, now, touching):
     plan.stride2 = (pace * dt) ** 2
     plan.impact = 0.0
     change_cell(problem, agenda, i, a.x, a.y, a.z)
-    way = min(WAY * radius, distance_to_leave(problem, a.x, a.y, a.z))
+    leave = distance_to_leave(problem, agenda.clock[0].tall, a.x, a.y, a.z)
+    way = min(WAY * radius, leave)
     steps = np.int64(min(way / (pace * dt), float(LONGEST_ROW)))
     steps = max(steps, 1)
     contact2 = 4.0 * radius * radius
