@@ -18,7 +18,7 @@ SLOTS = 32
 
 NEVER = 2**62
 
-CROWD, THIN = 0.5, 0.4
+CROWD, THIN = 0.28, 0.2
 """Shares of the particles that touch something, above which `synchronous` takes over and up to
 which it hands back. What is faster changes between these shares, see docs/notes/performance.md."""
 
