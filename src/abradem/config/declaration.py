@@ -794,6 +794,12 @@ class Calibration(Section):
     least_radius_mm: float = _key(
         0.0, "Rows with smaller particles are left out.", unit="mm", ge=0.0, le=100.0
     )
+    leave_out: list[Annotated[int, Field(ge=0)]] = _key(
+        [],
+        "Rows that are left out, by case_id or, without that column, by their number from 0: those "
+        "known to be wrong.",
+        allowed="a list of whole numbers from 0 on",
+    )
     held_out_every: int = _key(
         4,
         "Every so many rows, in the order of their wear rate, one is held out; 0: none.",
