@@ -94,8 +94,7 @@ def _make_row(problem, state, agenda, i, now, touching):
     change_cell(problem, agenda, i, a.x, a.y, a.z)
     leave = distance_to_leave(problem, agenda.clock[0].tall, a.x, a.y, a.z)
     way = min(WAY * radius, leave)
-    steps = np.int64(min(way / (pace * dt), float(LONGEST_ROW)))
-    steps = max(steps, 1)
+    steps = max(np.int64(min(way / (pace * dt), float(LONGEST_ROW))), 1)
     contact2 = 4.0 * radius * radius
     count = list_neighbours(agenda, plan.cell, -1)
     while True:
