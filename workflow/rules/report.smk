@@ -14,7 +14,7 @@ TABLE_FILES = {
     "comparison": rules.scores.output.comparison,
     "beside_paper": rules.scores.output.beside_paper,
     "power_law": rules.fit_physical.output.exponents,
-    "exponents": rules.exponents.output,
+    "exponents": rules.exponents.output[0],
     "targets": rules.reach.output.targets,
     "extrapolation": rules.reach.output.extrapolation,
     "sobol": rules.sensitivity.output.indices,
@@ -122,7 +122,7 @@ rule findings:
         extrapolation=rules.reach.output.extrapolation,
         indices=rules.sensitivity.output.indices,
         falls=rules.sensitivity.output.falls,
-        exponents=rules.exponents.output,
+        exponents=rules.exponents.output[0],
         noise=NOISE_SUMMARY,
         speed=rules.speed_up.output[0] if SIMULATED else [],
     output:
