@@ -170,6 +170,13 @@ def wear_column(measure: str, statistic: str) -> str:
     return f"wear_{measure}_{statistic}"
 
 
+def stderr_column(rate: str) -> str:
+    """Return the column name of the standard error of a wear depth rate, given by its column."""
+    return f"{rate}_stderr"
+
+
 WEAR_COLUMNS: tuple[str, ...] = tuple(
     wear_column(measure, statistic) for measure in WEAR_MEASURES for statistic in STATISTICS
 )
+
+STDERR_COLUMNS: tuple[str, ...] = tuple(map(stderr_column, WEAR_COLUMNS))

@@ -55,6 +55,7 @@ def simulated(monkeypatch):
         time = np.linspace(0.0, END, 176)
         per_facet = RATE * setup.window / np.prod(setup.facets)
         wear = np.full((3, *setup.facets), per_facet)
+        parts = np.full((10, 3, *setup.facets), per_facet / 10.0)
         numbers = {field.name: 0.1 for field in dataclasses.fields(SimulationResult)}
         return SimulationResult(
             **{
@@ -67,6 +68,7 @@ def simulated(monkeypatch):
                 "delivered_mass": 4.0 * time,
                 "present": np.full(time.size, 50),
                 "facet_wear": wear,
+                "facet_wear_parts": parts,
                 "facet_wear_all": wear,
                 "window": (STEADY_FROM, STEADY_FROM + setup.window),
                 "steady_from": STEADY_FROM,
@@ -94,6 +96,7 @@ def test_the_case_of_the_study_is_simulated(study, simulated, config, capsys):
     depth_rate = 1e3 * RATE * expected.archard_constant / 0.09
     assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
     assert third.startswith("mean over the worn elements ") and "worst element" in third
+    assert third.count("(standard error 0) mm/s") == 4
 
 
 def test_series_is_written_with_its_units(study, simulated, tmp_path):

@@ -206,6 +206,7 @@ if SIMULATED:
         conda:
             "../envs/abradem.yaml"
         params:
+            target=LEARNING.target,
             confidence=LEARNING.confidence,
             code=code_of("physical/noise_floor"),
         script:
@@ -239,9 +240,4 @@ if SIMULATED:
             "../scripts/physical/speed_up.py"
 
 
-# The replicates give the noise of the headline wear rate only.
-NOISE_SUMMARY = (
-    rules.noise_floor.output.summary
-    if SIMULATED and LEARNING.target == "wear_total_mean"
-    else []
-)
+NOISE_SUMMARY = rules.noise_floor.output.summary if SIMULATED else []

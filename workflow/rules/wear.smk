@@ -21,6 +21,7 @@ rule wear_rates:
         cases=f"{RESULTS}/cases/block-{{block}}.parquet",
         series=rules.simulate.output.series,
         maps=rules.simulate.output.maps,
+        parts=rules.simulate.output.parts,
         runs=rules.simulate.output.runs,
     output:
         f"{RESULTS}/wear_rates/block-{{block}}-batch-{{batch}}.parquet",
@@ -82,7 +83,7 @@ rule replicates:
         cases=CONFIG.learning.noise.cases,
         replicates=CONFIG.learning.noise.replicates,
         part=lambda wildcards: [int(wildcards.part), len(REPLICATE_PARTS)],
-        min_batches=CONFIG.wear_rate.min_batches,
+        options=rate_options(CONFIG),
         code=code_of("wear/replicates"),
     script:
         "../scripts/wear/replicates.py"

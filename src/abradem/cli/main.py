@@ -262,27 +262,28 @@ def _existing(folder: Path) -> Path:
 
 
 def _wear_line(tables: dict, row: dict, setup: dict, options: dict) -> str:
-    """Two lines with the wear rate of a simulated case: plate mean, and other statistics."""
+    """Two lines with the wear rates of a simulated case and their standard errors."""
     import pandas as pd
 
     from abradem.dem.model import Setup
-    from abradem.quantities import STATISTICS, wear_column
+    from abradem.quantities import STATISTICS, stderr_column, wear_column
+    from abradem.simulation.batch import TABLES
     from abradem.wear.rates import wear_rates
     from abradem.words.labels import STATISTIC_WORDS
 
     rates = wear_rates(
-        tables["series"],
-        tables["maps"],
-        tables["runs"],
-        pd.DataFrame([row]),
-        Setup.from_dict(setup),
+        **{name: tables[name] for name in TABLES},
+        cases=pd.DataFrame([row]),
+        setup=Setup.from_dict(setup),
         **options,
     ).iloc[0]
     mean, error = rates["wear_total_mean"], rates["wear_total_mean_stderr"]
     places = ", ".join(
-        f"{STATISTIC_WORDS[statistic]} {rates[wear_column('total', statistic)]:.4g} mm/s"
+        f"{STATISTIC_WORDS[statistic]} {rates[name]:.4g} (standard error "
+        f"{rates[stderr_column(name)]:.2g}) mm/s"
         for statistic in STATISTICS
         if statistic != "mean"
+        for name in [wear_column("total", statistic)]
     )
     return (
         f"wear depth rate {mean:.6g} mm/s, standard error {error:.2g} mm/s "

@@ -331,6 +331,9 @@ class SimulationResult:
         Number of particles present.
     facet_wear : ndarray, shape (3, nx, nz)
         F_n ds per facet in the time of ``window``, J.
+    facet_wear_parts : ndarray, shape (parts, 3, nx, nz)
+        F_n ds per facet in each of the equal parts of the window, J; their sum is ``facet_wear``.
+        No parts if the window was not completed.
     facet_wear_all : ndarray, shape (3, nx, nz)
         F_n ds per facet from the start to the end, J.
     window : tuple of float
@@ -367,6 +370,7 @@ class SimulationResult:
     delivered_mass: np.ndarray
     present: np.ndarray
     facet_wear: np.ndarray
+    facet_wear_parts: np.ndarray
     facet_wear_all: np.ndarray
     window: tuple[float, float]
     steady_from: float

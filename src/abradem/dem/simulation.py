@@ -293,9 +293,11 @@ def _result(
     complete = steady.complete(len(maps))
     if complete:
         facet_wear = maps[steady.last_map] - maps[steady.first_map]
+        parts = np.diff(maps[steady.first_map : steady.last_map + 1], axis=0)
         window = (steady.start, steady.window_end)
     else:
         facet_wear = np.full_like(state.facet_wear, np.nan)
+        parts = np.empty((0, *state.facet_wear.shape))
         window = (math.nan, math.nan)
     tally = state.tally[0]
     ended = int(tally["face"] + tally["edge"] + tally["missed"])
@@ -315,6 +317,7 @@ def _result(
         delivered_mass=delivered,
         present=record.present[past],
         facet_wear=facet_wear,
+        facet_wear_parts=parts,
         facet_wear_all=state.facet_wear.copy(),
         window=window,
         steady_from=steady.start if complete else math.nan,

@@ -199,7 +199,8 @@ def change(time: np.ndarray, cumulative: np.ndarray, start: float, batches: int 
     whole = float(place @ means) / float(place @ place)
     residual = means - mean - whole * place - float(bend @ means) / float(bend @ bend) * bend
     scatter = float(residual @ residual) / (batches - 3)
-    stderr = math.sqrt(scatter / float(place @ place)) * _enlarged(_lag1(residual), batches)
+    factor = correlation_factor(lag1_correlation(residual), batches)
+    stderr = math.sqrt(scatter / float(place @ place)) * factor
     return Change(whole / mean, stderr / mean)
 
 
@@ -221,14 +222,17 @@ def _batches(time: np.ndarray, cumulative: np.ndarray, start: float, number: int
     return np.diff(np.interp(edges, time, cumulative)) / (span / number)
 
 
-def _lag1(deviation: np.ndarray) -> float:
+def lag1_correlation(deviation: np.ndarray) -> float:
     """Lag-1 correlation of deviations from a mean or a line."""
     spread = float(deviation @ deviation)
     return float(deviation[1:] @ deviation[:-1] / spread) if spread > 0 else 0.0
 
 
-def _enlarged(lag1: float, batches: int) -> float:
-    """Factor of a standard error; above 1 if the lag-1 correlation of batches is significant."""
+def correlation_factor(lag1: float, batches: int) -> float:
+    """Factor of the standard error of a mean of batches whose lag-1 correlation is ``lag1``.
+
+    It is sqrt((1 + r) / (1 - r)) for a significantly positive correlation r, otherwise 1.
+    """
     if lag1 > LAG1_QUANTILE / np.sqrt(batches):
         return float(np.sqrt((1.0 + lag1) / (1.0 - lag1)))
     return 1.0
@@ -264,6 +268,6 @@ def batch_means(
     means = _batches(np.asarray(time, dtype=float), cumulative, start, minimum)
     if means is None:
         return BatchMeans(np.nan, np.nan, np.nan, 0)
-    lag1 = _lag1(means - means.mean())
-    stderr = float(means.std(ddof=1) / np.sqrt(minimum)) * _enlarged(lag1, minimum)
+    lag1 = lag1_correlation(means - means.mean())
+    stderr = float(means.std(ddof=1) / np.sqrt(minimum)) * correlation_factor(lag1, minimum)
     return BatchMeans(float(means.mean()), stderr, lag1, minimum)

@@ -16,7 +16,7 @@ from abradem.publish.description import (
     Description,
     File,
 )
-from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED
+from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED, stderr_column
 from abradem.words.escaping import for_markdown
 from abradem.words.labels import LABELS
 
@@ -202,16 +202,19 @@ def _quality(said: Description) -> Iterable[str]:
 
 
 def _limits(said: Description) -> Iterable[str]:
-    relative = said.dataset["wear_total_mean_stderr"] / said.dataset["wear_total_mean"]
     untouched = int(np.sum(said.dataset["wear_total_p99"] == 0.0))
     noise = said.noise
+    target = noise["target"]
+    positive = said.dataset[said.dataset[target] > 0.0]
+    relative = positive[stderr_column(target)] / positive[target]
     step = said.setup["time_step_fraction"]
     bias = STEP_BIAS.get(step)
     reasons = said.failures["status"].value_counts()
     return [
         "## Known limits",
         "",
-        "- **Noise.** The relative standard error of `wear_total_mean` is "
+        "- **Noise.** Each wear rate has a column with its standard error. That of "
+        f"`{target}` is, relative to the rate, "
         f"{percentage(relative.median(), '.2f')} in the median and "
         f"{percentage(relative.quantile(0.95), '.2f')} at the 95th "
         f"percentile. {noise['cases']} cases with large particles were simulated again with other "

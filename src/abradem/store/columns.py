@@ -8,7 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from abradem.quantities import QUANTITIES, STATISTICS, TARGET, WEAR_MEASURES, wear_column
+from abradem.quantities import (
+    QUANTITIES,
+    STATISTICS,
+    TARGET,
+    WEAR_MEASURES,
+    stderr_column,
+    wear_column,
+)
 from abradem.words.labels import LABELS, MEASURE_WORDS, STATISTIC_WORDS
 
 
@@ -22,7 +29,7 @@ class Column:
         Unit; "1" for dimensionless numbers and text.
     long_name : str
         Short description.
-    dtype : {"float64", "int64", "int32", "bool", "string"}
+    dtype : {"float64", "float32", "int64", "int32", "bool", "string"}
     """
 
     unit: str
@@ -62,6 +69,19 @@ MAPS = {
 }
 
 
+PARTS = {
+    "window_part": Column("1", "part of the window, in order of time, from 0", "int32"),
+    **{
+        f"part_wear_{measure}": Column(
+            "J",
+            f"normal force times distance in the part of the window ({MEASURE_WORDS[measure]})",
+            "float32",
+        )
+        for measure in WEAR_MEASURES
+    },
+}
+
+
 RUNS = {
     "settled": Column("1", "whether wear rate and particles present had stopped to drift", "bool"),
     "status": Column("1", "ok, or why the case ended early", "string"),
@@ -69,6 +89,7 @@ RUNS = {
     "steady_from": Column("s", "end of the transient"),
     "window_start": Column("s", "start of the window over which facets are compared"),
     "window_end": Column("s", "end of the window over which facets are compared"),
+    "window_parts": Column("1", "equal parts of the window, 0 if there is none", "int32"),
     "stderr": Column("1", "relative standard error of the mean wear rate at the stop"),
     "time_step": Column("s", "time step"),
     "requested_rate": Column("kg/s", "feed asked for"),
@@ -94,7 +115,15 @@ WEAR_RATES = {
         for measure in WEAR_MEASURES
         for statistic in STATISTICS
     },
-    "wear_total_mean_stderr": Column("mm/s", "standard error of the plate-mean wear depth rate"),
+    **{
+        stderr_column(wear_column(measure, statistic)): Column(
+            "mm/s",
+            f"standard error of the wear depth rate, {STATISTIC_WORDS[statistic]} "
+            f"({MEASURE_WORDS[measure]})",
+        )
+        for measure in WEAR_MEASURES
+        for statistic in STATISTICS
+    },
     "wear_r2": Column("1", "R2 of the cumulative wear against a straight line (description)"),
     "wear_batches": Column("1", "batches of increments behind the standard error", "int32"),
     "wear_lag1": Column("1", "lag-1 correlation of the batches"),
@@ -226,6 +255,7 @@ COLUMNS: dict[str, Column] = {
     **CASES,
     **SERIES,
     **MAPS,
+    **PARTS,
     **RUNS,
     **TIMES,
     **WEAR_RATES,
