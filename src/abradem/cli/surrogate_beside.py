@@ -1,0 +1,62 @@
+"""The answer of a surrogate beside that of a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from abradem.cli.case_input import OwnSetup
+from abradem.cli.predict import level_text, warn
+from abradem.learning.number_text import number_or_words
+from abradem.quantities import stderr_column
+from abradem.surrogate.groups import jet_of
+from abradem.surrogate.model import Surrogate
+from abradem.words.labels import wear_words
+
+
+class SurrogateBeside:
+    """A surrogate, and the set-up of the simulation that it is compared with."""
+
+    def __init__(self, surrogate: Surrogate, stem: str, setup: Mapping):
+        self.surrogate, self.stem = surrogate, stem
+        ours, theirs = jet_of(setup)._asdict(), surrogate.jet._asdict()
+        self.differences = [
+            f"{name} {theirs[name]} instead of {ours[name]}"
+            for name in ours
+            if ours[name] != theirs[name]
+        ]
+
+    def say(self, values: Mapping[str, float], rates) -> None:
+        """Print the prediction for a case beside its simulated rates, in one line."""
+        prediction = self.surrogate.predict(values)
+        warn(prediction.warnings)
+        if self.differences:
+            warn([f"the surrogate was trained with another jet: {', '.join(self.differences)}"])
+        target = self.surrogate.description["target"]
+        name, unit = target["name"], target["unit"]
+        rate, low, high = (float(column[0]) for column in prediction[:3])
+        line = (
+            f"surrogate {self.stem}: {rate:.4g} {unit}, "
+            f"{level_text(prediction, self.surrogate)} interval {low:.4g} to "
+            f"{number_or_words(high, '.4g', 'any number of')} {unit} ({name}: {wear_words(name)})"
+        )
+        if name in rates:
+            line += (
+                f"; simulated {rates[name]:.4g} {unit}, standard error "
+                f"{rates[stderr_column(name)]:.2g} {unit}"
+            )
+        print(line)
+
+
+def surrogate_beside(model: str | None, own: OwnSetup) -> SurrogateBeside | None:
+    """Return the surrogate that is given, or that of the study if it exists, or None.
+
+    Raises
+    ------
+    PredictionError
+        If a surrogate cannot be read.
+    """
+    stem = model or f"results/{own.config.study}/models/surrogate"
+    if model is None and not Path(f"{stem}.json").is_file():
+        return None
+    return SurrogateBeside(Surrogate.load(stem), stem, own.setup)
