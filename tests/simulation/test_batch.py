@@ -337,7 +337,7 @@ def test_two_processes_at_the_same_batch_take_turns(engine, tmp_path):
         thread.join()
     assert turns == sorted(turns, key=turns.index) and len(turns) == 12
     assert sorted(path.name for path in tmp_path.glob("*.parquet")) == [
-        "maps.parquet", "runs.parquet", "series.parquet", "times.parquet",
+        "maps.parquet", "parts.parquet", "runs.parquet", "series.parquet", "times.parquet",
     ]  # fmt: skip
     assert not list((tmp_path / ".finished").iterdir())
 
@@ -346,7 +346,8 @@ def test_nothing_but_the_tables_is_left(engine, tmp_path):
     run(tmp_path)
     assert not (tmp_path / ".finished" / "batch").exists()
     assert sorted(path.name for path in tmp_path.glob("*.*")) == [
-        ".finished", "maps.parquet", "runs.parquet", "series.parquet", "times.parquet",
+        ".finished", "maps.parquet", "parts.parquet", "runs.parquet", "series.parquet",
+        "times.parquet",
     ]  # fmt: skip
 
 

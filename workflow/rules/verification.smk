@@ -12,7 +12,7 @@ PARTS = {
     "laws": ["checks", "restitution", "angles", "convergence"],
     "chung_ooi": ["checks", "tests", "measured"],
     "codes": ["checks", "impacts", "jets", "forces"],
-    "time_step": ["checks", "impacts", "mean", "jets"],
+    "time_step": ["checks", "impacts", "mean", "jets", "angles"],
     "statistics": ["checks", "replicates", "stopped", "extremes"],
     "steady_state": ["checks", "rates", "series"],
     "conveyor": ["checks", "rates"],

@@ -393,9 +393,9 @@ class Simulation(Section):
     time_step_rayleigh_fraction: float = _key(
         0.15,
         "Time step as a fraction of the Rayleigh time of the particle. With 0.15 an impact near "
-        "5 m/s takes about 21 steps, and the bias averaged over the impact angle is at most 0.8 % "
-        "for total, 1.0 % for sliding and 0.1 % for friction; with the paper's 0.2 it is 1.3 %, "
-        "2.6 % and 0.2 %.",
+        "5 m/s takes about 21 steps; the bias of total is at most 0.8 % averaged over the impact "
+        "angle and at most 3 % at a single angle, with the paper's 0.2 1.3 % and 5 %. A case "
+        "whose first impact the step biases by more than 5 % is refused.",
         ge=0.001,
         le=0.4,
     )

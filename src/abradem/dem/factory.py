@@ -69,7 +69,7 @@ def _place(problem, state, place, velocity, spin):
     particle.plate_fn = 0.0
     particle.plate_tx = particle.plate_ty = particle.plate_tz = 0.0
     particle.plate_energy = 0.0
-    particle.plate_slips = 0
+    particle.plate_slip = 0.0
     tally.live = new + 1
     tally.placed += 1
     tally.draws = 0

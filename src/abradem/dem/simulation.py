@@ -9,6 +9,7 @@ import numpy as np
 from abradem.dem import samples
 from abradem.dem.agenda import grown_agenda, make_agenda
 from abradem.dem.energy import energy_balance
+from abradem.dem.impact import CONVERGED_STEPS, step_bias
 from abradem.dem.model import Case, Setup, SimulationResult
 from abradem.dem.samples import Record, make_record
 from abradem.dem.state import (
@@ -33,6 +34,14 @@ stop early, large enough not to stop on a random fluctuation of the standard err
 MAPS_PER_WINDOW = 10
 PARTICLES_IN_A_CALL = 2000
 """Largest product of particles present and samples in one kernel call."""
+
+LARGEST_STEP_BIAS = 0.05
+"""Largest bias of ``total`` and ``friction`` that the time step may cause in the first impact on
+the plate. A case beyond it is refused: its wear would be wrong without a sign of it."""
+
+JUDGED_ANGLES = (10.0, 80.0)
+"""Angles from the normal, degrees, between which the first impact is judged. Nearer to the normal
+its wear tends to zero and the bias to a constant."""
 
 FEWEST_STEPS_PER_CONTACT = 5.0
 MOST_STEPS_PER_CONTACT = 1e5
@@ -77,7 +86,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     """
     setup = Setup() if setup is None else setup
     problem, schedule = make_problem(case, setup, releases)
-    _check_step(problem, schedule, setup)
+    _check_step(case, problem, schedule, setup)
     _check_size(problem, setup)
     engine = Engine(problem, schedule, setup.stepping)
     sample_steps = max(1, round(setup.sample_interval / problem.dt))
@@ -198,14 +207,11 @@ class Engine:
         return DONE
 
 
-def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
+def _check_step(case: Case, problem: Problem, schedule: Schedule, setup: Setup) -> None:
     """Raise if the time step does not resolve a contact or is far too short."""
-    fastest = _fall_speed(problem, setup)
+    fastest, angle = _fall_speed(problem, setup), abs(case.plate_angle)
     if problem.scheduled and schedule.velocity.size:
-        heights = np.maximum(schedule.position[:, 1] - problem.removal_height, 0.0)
-        with np.errstate(over="ignore"):
-            speeds2 = (schedule.velocity**2).sum(axis=1) + 2.0 * problem.gravity * heights
-        fastest = float(np.sqrt(speeds2).max())
+        fastest, angle = _fastest_release(problem, schedule, setup)
     if fastest == 0.0:
         return
     steps = hertz_duration(problem.plate_law.kn, problem.mass, fastest) / problem.dt
@@ -220,6 +226,44 @@ def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
             f"time step {problem.dt:.3g} s gives {steps:.3g} steps per contact at "
             f"{fastest:.3g} m/s; at most {MOST_STEPS_PER_CONTACT:g} are allowed"
         )
+    if steps < CONVERGED_STEPS:
+        _check_bias(case, problem, setup, fastest, angle, steps)
+
+
+def _check_bias(case, problem, setup, speed, angle, steps) -> None:
+    """Raise if the time step biases the wear of the first impact too much."""
+    angle = min(max(angle, JUDGED_ANGLES[0]), JUDGED_ANGLES[1])
+    try:
+        found = step_bias(case, setup.contact, problem.dt, speed, angle)
+    except ValueError:
+        # Too soft for this speed, which the guards tell.
+        return
+    for measure, bias in found.items():
+        if not abs(bias) <= LARGEST_STEP_BIAS:
+            raise ValueError(
+                f"time step {problem.dt:.3g} s, {steps:.1f} steps per contact at {speed:.3g} m/s, "
+                f"biases {measure} of an impact at {angle:.3g} deg from the normal by "
+                f"{100.0 * bias:+.1f} %; at most {100.0 * LARGEST_STEP_BIAS:g} % are allowed"
+            )
+
+
+def _fastest_release(problem: Problem, schedule: Schedule, setup: Setup) -> tuple[float, float]:
+    """Return speed (m/s) and angle from the normal of the plate (deg) of the fastest release.
+
+    They are those at the height of the lowest point of the plate.
+    """
+    lowest = problem.removal_height + setup.removal_depth
+    heights = np.maximum(schedule.position[:, 1] - lowest, 0.0)
+    with np.errstate(over="ignore"):
+        speeds2 = (schedule.velocity**2).sum(axis=1) + 2.0 * problem.gravity * heights
+    fastest = int(np.argmax(speeds2))
+    speed = math.sqrt(speeds2[fastest])
+    if not 0.0 < speed < math.inf:
+        return speed, 0.0
+    along, across = schedule.velocity[fastest, 0], schedule.velocity[fastest, 2]
+    down = math.sqrt(max(speeds2[fastest] - along**2 - across**2, 0.0))
+    towards = problem.plate.cos * down + problem.plate.sin * along
+    return speed, math.degrees(math.acos(min(abs(towards) / speed, 1.0)))
 
 
 def _check_size(problem: Problem, setup: Setup) -> None:

@@ -108,7 +108,8 @@ PARTICLE = np.dtype(
     + _fields("fx fy fz mx my mz rolling")
     # Memory of the contact with the plate.
     + _fields("plate_sx plate_sy plate_sz plate_fn plate_tx plate_ty plate_tz plate_energy")
-    + _fields("plate_slips", np.int64)
+    # Share of the tangential velocity that is slip.
+    + _fields("plate_slip")
 )
 
 # One entry of the pair list, with the memory of its contact; stiffness 0: not touching. With

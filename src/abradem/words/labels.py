@@ -62,7 +62,7 @@ GROUP_LABELS: dict[str, Label] = {
 
 MEASURE_WORDS = {
     "total": "all tangential motion under load",
-    "sliding": "sliding while Coulomb's limit is active",
+    "sliding": "slip at Coulomb's limit",
     "friction": "friction work over the coefficient of friction",
 }
 """Descriptions of the wear measures of `abradem.quantities.WEAR_MEASURES`."""

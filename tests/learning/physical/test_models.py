@@ -219,7 +219,7 @@ def test_replicates_are_of_cases_with_large_particles_and_differ_by_seed_alone()
     rates = [*WEAR_COLUMNS, *STDERR_COLUMNS]
     assert list(found) == ["case_id", "replicate", "seed", *rates]
     assert np.isfinite(found[rates]).all(axis=None)
-    coarse = replicate(chosen.iloc[:1], 2, setup, {"element_size": 0.1})
+    coarse = replicate(chosen.iloc[:1], 2, setup, {"element_size": 0.06})
     assert (coarse["wear_total_max"] < found["wear_total_max"]).all()
     assert (coarse["wear_total_mean"] == found["wear_total_mean"]).all()
     assert list(replicate(chosen.iloc[:0], 2, setup)) == list(found)
