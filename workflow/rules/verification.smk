@@ -18,6 +18,7 @@ PARTS = {
     "conveyor": ["checks", "rates"],
     "trends": ["checks", "measurements", "exponents"],
     "facets_and_bed": ["checks", "sizes", "heap"],
+    "stop_rule": ["checks", "ended"],
 }
 
 # The tables of each figure, in the order of the parameters of its drawing function.
@@ -188,6 +189,21 @@ rule verification_facets_and_bed:
         "../envs/abradem.yaml"
     params:
         **part("facets_and_bed"),
+    script:
+        "../scripts/verification/part.py"
+
+
+rule verification_stop_rule:
+    """Coverage of the intervals of cases that the stop rule ended."""
+    output:
+        **part_files("stop_rule", "parquet"),
+        text=list(part_files("stop_rule", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/stop_rule.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **part("stop_rule"),
     script:
         "../scripts/verification/part.py"
 

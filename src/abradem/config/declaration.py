@@ -340,7 +340,7 @@ class Stop(Section):
     )
     target_stderr: float = _key(
         0.2,
-        "A case ends when the relative standard error of its plate-mean wear rate is at most this.",
+        "A case ends when its plate-mean wear rate is known to this relative standard error.",
         gt=0.0,
         le=1.0,
     )

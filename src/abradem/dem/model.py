@@ -430,6 +430,13 @@ class SimulationResult:
             f"particle_velocity_y={self.case.particle_velocity_y:g}>"
         )
 
+    @property
+    def release_interval(self) -> float:
+        """Time between two releases by the factory, s; 0 for given releases."""
+        if not (self.requested_rate > 0.0 and self.released > 0):
+            return 0.0
+        return float(self.delivered_mass[-1]) / self.released / self.requested_rate
+
 
 @dataclass(frozen=True)
 class Impact:

@@ -23,15 +23,10 @@ from abradem.dem.state import (
     make_problem,
     make_state,
 )
-from abradem.dem.steady import batch_means, steady_part
+from abradem.dem.stop import StopRule
 from abradem.elastic import hertz_duration, sphere_volume
 
 FIRST_CAPACITY = 64
-CHECK_GROWTH = 1.1
-"""Growth factor of the simulated time between two evaluations of the stop rule: small enough to
-stop early, large enough not to stop on a random fluctuation of the standard error."""
-
-MAPS_PER_WINDOW = 10
 PARTICLES_IN_A_CALL = 2000
 """Largest product of particles present and samples in one kernel call."""
 
@@ -56,8 +51,8 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
 
     `steady.steady_part` finds the end of the transient. The simulation continues until the
     ``window`` after the transient is complete and the relative standard error of the plate-mean
-    ``total`` rate is at most ``target_stderr``, or until ``max_time``. If ``duration`` is given,
-    it ends exactly after that time.
+    ``total`` rate is reliably at most ``target_stderr`` (`stop.StopRule`), or until ``max_time``.
+    If ``duration`` is given, it ends exactly after that time.
 
     Parameters
     ----------
@@ -91,9 +86,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     engine = Engine(problem, schedule, setup.stepping)
     sample_steps = max(1, round(setup.sample_interval / problem.dt))
     interval = sample_steps * problem.dt
-    map_samples = max(1, round(setup.window / MAPS_PER_WINDOW / interval))
-    map_interval = map_samples * interval
-    window_maps = max(1, round(setup.window / map_interval))
+    rule = StopRule(setup, interval, 0.0 if problem.scheduled else 1.0 / problem.rate)
     count = max(1, round(_longest(setup) / interval))
     record_steps = max(1, round(recorder.interval / problem.dt)) if recorder else None
     if recorder:
@@ -103,7 +96,8 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     record = make_record(count)
     maps = [engine.state.facet_wear.copy()]
     status = "ok"
-    look = int(np.searchsorted(time, setup.window)) if setup.duration is None else count + 1
+    if setup.duration is not None:
+        rule.next_look = count + 1
     alone = recorder or progress is not None
     sample = 0
     outcome: int | str = DONE
@@ -111,7 +105,8 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
         last = sample + 1
         if not alone:
             # Continue to the next map or the next evaluation of the stop rule.
-            last = min(count, (sample // map_samples + 1) * map_samples, max(last, look))
+            next_map = (sample // rule.map_samples + 1) * rule.map_samples
+            last = min(count, next_map, max(last, rule.next_look))
             last = min(last, sample + engine.samples_in_a_call())
         if recorder:
             outcome = engine.advance(last * sample_steps, record_steps, recorder)
@@ -121,24 +116,15 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
         if outcome != DONE:
             status = _status(outcome, record)
             break
-        if sample % map_samples == 0:
+        if sample % rule.map_samples == 0:
             maps.append(engine.state.facet_wear.copy())
         if progress is not None:
             progress(float(time[sample]))
-        if sample >= look:
-            look = int(np.searchsorted(time, time[sample] * CHECK_GROWTH))
-            steady = _steady(record, time[: sample + 1], window_maps, map_interval)
-            if not steady.settled:
-                look = min(look, sample + map_samples)
-            elif not steady.complete(len(maps)):
-                # So far, only the rest of the window is missing.
-                look = min(look, steady.last_map * map_samples)
-            elif steady.relative_stderr <= setup.target_stderr:
-                break
+        if sample >= rule.next_look and rule.ends(*_past(record, time, sample)):
+            break
     return _result(
-        case, setup, problem, engine.state, status, time[: sample + 1], record, maps,
-        window_maps, map_interval,
-    )  # fmt: skip
+        case, setup, problem, engine.state, status, time[: sample + 1], record, maps, rule
+    )
 
 
 def _status(outcome: int | str, record: Record) -> str:
@@ -304,36 +290,16 @@ def _room(problem: Problem, setup: Setup) -> float:
     return math.prod(sides) / sphere_volume(problem.radius)
 
 
-class SteadyPart:
-    """The steady part of a record: its start, and its rate with the standard error."""
-
-    def __init__(self, time, total, present, window_maps: int, map_interval: float):
-        # The start is moved to the next map.
-        start = steady_part(time, total, present, (window_maps + 1) * map_interval)
-        self.settled = start.settled
-        self.first_map = math.ceil(start.time / map_interval - 1e-9)
-        self.last_map = self.first_map + window_maps
-        self.start = self.first_map * map_interval
-        self.window_end = self.last_map * map_interval
-        found = batch_means(time, total, self.start)
-        known = found.batches > 0 and found.rate > 0.0
-        self.rate = found.rate
-        self.relative_stderr = found.stderr / found.rate if known else math.inf
-
-    def complete(self, maps: int) -> bool:
-        """Whether the window after the start is inside a record with this number of maps."""
-        return self.last_map < maps
-
-
-def _steady(record: Record, time, window_maps: int, map_interval: float) -> SteadyPart:
-    past = slice(time.size)
-    return SteadyPart(time, record.worn[past, 0], record.present[past], window_maps, map_interval)
+def _past(record: Record, time, sample: int):
+    """Times, ``total`` wear and particles present up to a sample."""
+    past = slice(sample + 1)
+    return time[past], record.worn[past, 0], record.present[past]
 
 
 def _result(
-    case, setup, problem, state, status, time, record, maps, window_maps, map_interval
+    case, setup, problem, state, status, time, record, maps, rule: StopRule
 ) -> SimulationResult:
-    steady = _steady(record, time, window_maps, map_interval)
+    steady = rule.steady(*_past(record, time, len(time) - 1))
     complete = steady.complete(len(maps))
     if complete:
         facet_wear = maps[steady.last_map] - maps[steady.first_map]

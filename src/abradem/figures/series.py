@@ -17,7 +17,7 @@ from abradem.figures.cases_shown import runs_shown, stacked
 from abradem.quantities import SAMPLED_NAMES
 from abradem.store.tables import concatenate
 from abradem.units import MM_PER_M
-from abradem.wear.rates import steady_rate
+from abradem.wear.rates import release_interval, steady_rate
 
 
 def draw(
@@ -152,7 +152,8 @@ def depth_series(
         depth = per_joule * rows[f"worn_{measure}"].to_numpy(dtype=float)
         curves.append(pd.DataFrame({"case_id": key, "time": time, "wear_depth": depth}))
         start = run["steady_from"]
-        fit = steady_rate(time, depth, start, min_batches)
+        interval = release_interval(run, rows["delivered_mass"].to_numpy()[-1])
+        fit = steady_rate(time, depth, start, min_batches, interval)
         known = np.isfinite(fit.rate)
         from_depth = float(np.interp(start, time, depth)) if known else np.nan
         end = time[-1] if known else np.nan

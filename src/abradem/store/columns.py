@@ -403,7 +403,7 @@ VERIFICATION = {
         verdict="whether the check holds", note="source, or choice that explains a difference",
         variant="options of the law", code="program", measure="wear measure", test="test",
         quantity="quantity", source="where the value is from", feed="kind of feed",
-        scene="what is simulated",
+        scene="what is simulated", corner="radius and plate angle",
     ),
     **_columns(
         "1",
@@ -426,6 +426,7 @@ VERIFICATION = {
         phase="phase at which the surfaces meet",
         value="value", exponent="exponent", exponent_stderr="standard error of the exponent",
         expected="expected value", relative_stderr="relative standard error",
+        reference_stderr="relative standard error of the reference",
         r2="R2 of the cumulative wear against a straight line",
         covered="whether the interval holds the mean", steps_per_contact="steps per contact",
         factor="factor by which the quantity was changed",

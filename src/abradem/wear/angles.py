@@ -66,6 +66,6 @@ def depth_by_angle(
             row = {"varied": varied, "angle": angle}
             curves.append(pd.DataFrame({**row, "time": result.time, "wear_depth": depth}))
             start = steady_start(result.time, depth).time
-            fit = steady_rate(result.time, depth, start, min_batches)
+            fit = steady_rate(result.time, depth, start, min_batches, result.release_interval)
             rates.append({**row, "rate": fit.rate, "rate_stderr": fit.stderr})
     return pd.concat(curves, ignore_index=True), pd.DataFrame(rates)

@@ -20,6 +20,7 @@ All results are proportional to W, so one simulation is valid for every W.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -56,7 +57,13 @@ class SteadyRate(NamedTuple):
     r2: float
 
 
-def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int = 20) -> SteadyRate:
+def steady_rate(
+    time: np.ndarray,
+    worn: np.ndarray,
+    start: float,
+    batches: int = 20,
+    release_interval: float = 0.0,
+) -> SteadyRate:
     """Return the rate of a cumulative series from ``start`` on, with its standard error.
 
     Parameters
@@ -66,7 +73,9 @@ def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int =
     start : float
         Start of the steady state, s.
     batches : int
-        Number of equal batches.
+        Least number of equal batches.
+    release_interval : float
+        Time between two releases, s; 0 if they are not even.
 
     Returns
     -------
@@ -77,9 +86,25 @@ def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int =
     """
     if not np.isfinite(start) or len(time) < 2:
         return SteadyRate(np.nan, np.nan, np.nan, 0, np.nan)
-    means: BatchMeans = batch_means(time, worn, start, batches)
+    means: BatchMeans = batch_means(time, worn, start, batches, release_interval)
     tail = time >= start
     return SteadyRate(*means, straightness(time[tail], worn[tail]))
+
+
+def release_interval(run: Mapping, delivered_mass: float) -> float:
+    """Return the time between two releases of a case, s; 0 for given releases.
+
+    Parameters
+    ----------
+    run : mapping
+        Its row of the runs: ``requested_rate``, kg/s, and ``released``.
+    delivered_mass : float
+        Mass of the released particles, kg.
+    """
+    released = run.get("released", 0)
+    if not (run["requested_rate"] > 0.0 and released > 0):
+        return 0.0
+    return float(delivered_mass) / int(released) / float(run["requested_rate"])
 
 
 def straightness(time: np.ndarray, worn: np.ndarray) -> float:
@@ -346,8 +371,12 @@ def _case_rates(
     """Return the row of one case for W = 1; depth rates in mm/s per 1/Pa, others accordingly."""
     time = series["time"].to_numpy(dtype=float)
     start = run["steady_from"]
+    delivered = series["delivered_mass"].to_numpy(dtype=float)
+    interval = release_interval(run, delivered[-1])
     steady = {
-        measure: steady_rate(time, series[f"worn_{measure}"].to_numpy(dtype=float), start, batches)
+        measure: steady_rate(
+            time, series[f"worn_{measure}"].to_numpy(dtype=float), start, batches, interval
+        )
         for measure in WEAR_MEASURES
     }
     window = run["window_end"] - run["window_start"]
@@ -383,7 +412,7 @@ def _case_rates(
     row["wear_batches"] = total.batches
     row["wear_lag1"] = total.lag1
     row["worn_volume_rate"] = total.rate
-    fed = _feed_rate(time, series["delivered_mass"].to_numpy(dtype=float), start)
+    fed = _feed_rate(time, delivered, start)
     row["wear_per_kg"] = total.rate / fed if fed > 0.0 else np.nan
     relative = total.stderr / total.rate if total.rate > 0.0 else np.nan
     row["quality"] = quality(run, relative, setup)
