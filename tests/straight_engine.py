@@ -45,7 +45,7 @@ def straight_line(case, setup, status="ok", steady=True):
         edge_share=0.0,
         missed_share=0.0,
         max_overlap=0.01,
-        released=20,
-        removed=18,
+        released=200,
+        removed=180,
         energy={},
     )

@@ -147,7 +147,7 @@ def test_the_repr_is_short(result):
     said = repr(result)
     assert len(said) < 200 and "\n" not in said
     assert said.startswith(
-        "<CaseResult: ok, 3.5 s simulated, 20 particles released; plate_angle=20"
+        "<CaseResult: ok, 3.5 s simulated, 200 particles released; plate_angle=20"
     )
 
 

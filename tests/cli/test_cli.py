@@ -64,10 +64,11 @@ def test_the_case_of_the_study_is_simulated(study, simulated, config, capsys):
     assert simulated == [(expected, Setup.from_dict(setup_dict(config)))]
     first, second, third = capsys.readouterr().out.splitlines()
     assert first == "case 7: ok, 3.5 s simulated"
-    depth_rate = 1e3 * RATE * expected.archard_constant / 0.09
+    # The worst of ten rows of a ramp, which is the 99th percentile of a hundred elements too.
+    depth_rate = 1e3 * RATE * expected.archard_constant / 0.09 * 10 / 5.5
     assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
-    assert third.startswith("mean over the worn elements ") and "worst element" in third
-    assert third.count("(standard error 0) mm/s") == 4
+    assert third.startswith("mean over the plate ") and "worst " in third
+    assert third.count(" (standard error ") == 4
 
 
 def test_series_is_written_with_its_units(study, simulated, tmp_path):

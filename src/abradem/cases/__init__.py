@@ -5,6 +5,6 @@ A study needs nothing of this; its stages write and read tables.
 
 from __future__ import annotations
 
-from abradem.cases.results import CaseResult, WearRate, simulate
+from abradem.cases.results import CaseResult, DepthRate, simulate
 
-__all__ = ["CaseResult", "WearRate", "simulate"]
+__all__ = ["CaseResult", "DepthRate", "simulate"]

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class WearRate(NamedTuple):
+class DepthRate(NamedTuple):
     """A wear depth rate and its standard error, mm/s."""
 
     rate: float
@@ -82,7 +82,7 @@ class CaseResult(SimulationResult):
         measure: str = "total",
         statistic: str = "mean",
         element_size: float | None = None,
-    ) -> WearRate:
+    ) -> DepthRate:
         """Return one wear depth rate and its standard error.
 
         Parameters
@@ -98,7 +98,7 @@ class CaseResult(SimulationResult):
 
         Returns
         -------
-        WearRate
+        DepthRate
             mm/s.
 
         Raises
@@ -111,7 +111,7 @@ class CaseResult(SimulationResult):
         _check_name("statistic", statistic, STATISTICS)
         rates = self.wear_rates(element_size)
         column = wear_column(measure, statistic)
-        return WearRate(float(rates[column]), float(rates[stderr_column(column)]))
+        return DepthRate(float(rates[column]), float(rates[stderr_column(column)]))
 
     def wear_map(self, measure: str = "total", element_size: float | None = None) -> np.ndarray:
         """Return the wear depth rate of every facet, or of larger elements, in the window.

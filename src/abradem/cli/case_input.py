@@ -91,15 +91,17 @@ def read_setup(options: argparse.Namespace, problems: list[str]) -> OwnSetup | N
     if options.seed is not None and not 0 <= options.seed <= LARGEST_SEED:
         problems.append(f"--seed {options.seed}: is outside 0 ... {LARGEST_SEED}")
     files = options.config or [path for path in [Path("config.yaml")] if path.is_file()]
+    known = load_config({"study": "default"}).model_dump(mode="json")
+    entries = [] if files else ["study=default"]
+    for text in options.set:
+        try:
+            entries.append(_entry(text, known))
+        except InputError as error:
+            problems.append(str(error))
     try:
-        default = load_config({"study": "default"})
-        entries = [_entry(text, default.model_dump(mode="json")) for text in options.set]
-        if files:
-            config = read_config(*files, command_line=entries)
-        else:
-            config = read_config(command_line=["study=default", *entries])
-    except (ConfigError, InputError) as error:
-        problems += str(error).splitlines()
+        config = read_config(*files, command_line=entries)
+    except ConfigError as error:
+        problems += error.problems
         return None
     setup = setup_dict(config)
     if duration is not None:

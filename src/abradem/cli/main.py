@@ -70,7 +70,7 @@ def _parser() -> argparse.ArgumentParser:
     from abradem.cli.doctor import add_doctor
     from abradem.cli.predict import add_parser as add_predict
     from abradem.cli.simulate import add_simulate
-    from abradem.cli.sweep import add_sweep
+    from abradem.cli.sweep_cases import add_sweep
 
     parser = _Parser(prog="abradem", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"abradem {abradem.__version__}")
