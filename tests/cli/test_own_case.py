@@ -116,11 +116,33 @@ def test_the_configuration_here_is_taken_and_another_if_it_is_given(capsys, aske
     )
     Path("other.yaml").write_text("study: other\nsimulation: {stop: {window_s: 2}}\n")
     _, _, (line,) = run(capsys, "simulate")
-    run(capsys, "simulate", "--config", "config.yaml", "other.yaml", "--duration", "4 s")
+    files = ["--config", "config.yaml", "--config", "other.yaml"]
+    run(capsys, "simulate", *files, "--duration", "4 s")
     (mine, first), (_, second) = asked
     assert (mine.plate_angle, mine.seed, first.window) == (15.0, 9, 1.5)
     assert (second.window, second.duration, first.duration) == (2.0, 4.0, None)
     assert line.startswith("not given, middle of the ranges of config.yaml: ")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["plate_angle=20", "restitution=0.3", "--seed", "4"],
+        ["--seed", "4", "plate_angle=20", "restitution=0.3"],
+        ["plate_angle=20", "--seed", "4", "restitution=0.3"],
+        ["plate_angle", "=", "20", "--seed", "4", "restitution=", "0.3"],
+    ],
+)
+def test_values_and_options_may_be_in_any_order(capsys, asked, arguments):
+    assert run(capsys, "simulate", *arguments)[0] == 0
+    ((case, _),) = asked
+    assert (case.plate_angle, case.restitution, case.seed) == (20.0, 0.3, 4)
+
+
+def test_an_option_that_does_not_exist_is_named(capsys, asked):
+    with pytest.raises(SystemExit):
+        main(["simulate", "plate_angle=20", "--sead", "4", "restitution=0.3"])
+    assert capsys.readouterr().err.startswith("abradem: unrecognized arguments: --sead")
 
 
 # Simulate: what is said and written

@@ -50,11 +50,11 @@ def add_case_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--config",
-        nargs="+",
+        action="append",
         type=Path,
         metavar="FILE",
-        help="set-up and ranges; later files override earlier ones. Default: ./config.yaml, and "
-        "without it the default study",
+        help="set-up and ranges; may be given several times, later files override earlier ones. "
+        "Default: ./config.yaml, and without it the default study",
     )
     parser.add_argument(
         "--set",

@@ -61,6 +61,16 @@ def _is_of_the_user(error: Exception) -> bool:
 
 
 class _Parser(argparse.ArgumentParser):
+    def parse_args(self, args=None, namespace=None):
+        # argparse takes positional words only where they are not interrupted by options.
+        options, rest = self.parse_known_args(args, namespace)
+        if not hasattr(options, "values") or any(word.startswith("-") for word in rest):
+            if rest:
+                self.error(f"unrecognized arguments: {' '.join(rest)}")
+        else:
+            options.values = [*options.values, *rest]
+        return options
+
     def error(self, message: str):
         # One line without the usage, which --help prints.
         self.exit(WRONG_INPUT, f"{self.prog}: {message} (see {self.prog} --help)\n")
