@@ -15,7 +15,7 @@ from straight_engine import RATE, straight_line
 import abradem
 import abradem.dem
 from abradem.cli.main import main
-from abradem.config import read_config, sampled_ranges, setup_dict, to_yaml
+from abradem.config import load_config, read_config, sampled_ranges, setup_dict, to_yaml
 from abradem.dem.model import Case, Setup
 from abradem.running.outputs import record_outputs
 from abradem.sampling.draw import block_cases
@@ -67,8 +67,39 @@ def test_the_case_of_the_study_is_simulated(study, simulated, config, capsys):
     # The worst of ten rows of a ramp, which is the 99th percentile of a hundred elements too.
     depth_rate = 1e3 * RATE * expected.archard_constant / 0.09 * 10 / 5.5
     assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
-    assert third.startswith("mean over the plate ") and "worst " in third
+    # Without element_size_mm the elements are the facets, here of 30 mm.
+    assert third.startswith("mean over the ") and "mean over the worn 30 mm elements " in third
+    assert "worst 30 mm element " in third
     assert third.count(" (standard error ") == 4
+
+
+@pytest.mark.parametrize(
+    ("target", "said"),
+    [
+        ("wear_friction_p99", "friction, 99th percentile of 60 mm elements"),
+        ("wear_sliding_max", "sliding, worst 60 mm element"),
+        ("wear_friction_mean", "friction, mean over the plate"),
+    ],
+)
+def test_the_wear_rate_that_is_told_is_the_target_of_the_study(
+    study, simulated, config, capsys, target, said
+):
+    values = config.model_dump(mode="json")
+    values["learning"]["target"], values["wear_rate"]["element_size_mm"] = target, 60
+    (study / "config.yaml").write_text(to_yaml(load_config(values)))
+    assert main(["simulate", "--study", str(study), "--case", "7"]) == 0
+    _, second, third = capsys.readouterr().out.splitlines()
+    cases = read_table(study / "cases" / "block-001.parquet").set_index("case_id")
+    # Of a ramp of 5 rows the last has 9.5 / 5.5 of the mean; it is the 99th percentile as well.
+    depth_rate = 1e3 * RATE * cases.loc[7]["archard_constant"] / 0.09
+    depth_rate *= 1.0 if target.endswith("mean") else 9.5 / 5.5
+    assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
+    assert f"({said}), quality " in second
+    places = ("mean over the plate", "mean over the worn 60 mm elements",
+              "mean over the footprint of 60 mm elements", "99th percentile of 60 mm elements",
+              "worst 60 mm element")  # fmt: skip
+    for place in places:
+        assert (place in third) != said.endswith(place)
 
 
 def test_series_is_written_with_its_units(study, simulated, tmp_path):

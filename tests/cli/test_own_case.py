@@ -240,7 +240,7 @@ def test_a_surrogate_of_another_jet_or_range_warns(capsys, asked, here):
     _, out, err = run(capsys, "simulate", "--model", here / "s", *changed)
     assert out[-1].startswith(f"surrogate {here / 's'}: ")
     assert (
-        "warning: the surrogate was trained with another jet: mass_rate 42.0 instead of 10.0"
+        "warning: the surrogate was trained with another set-up: mass_rate 42.0 instead of 10.0"
         in (err)
     )
     assert any("plate_angle = 80 deg is outside the training range" in line for line in err)

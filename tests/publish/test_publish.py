@@ -61,7 +61,12 @@ class Results:
                  "r2_floor_band": [0.998, 0.9995]}  # fmt: skip
         for name, value in {
             "learning/noise_floor.json": noise,
-            "summary.json": {"flags": {"stderr": 1}, "cases_without_flag": 11},
+            "summary.json": {
+                "flags": {"stderr": 1},
+                "cases_without_flag": 11,
+                "target": "wear_friction_p99",
+                "target_words": "wear depth rate, friction, 99th percentile of 30 mm elements",
+            },
             "versions.json": {
                 "seed": 1,
                 "code": {},

@@ -318,7 +318,7 @@ def test_the_summary_counts_straight_series_and_flags():
             "quality": ["ok", "stderr", "overlap+stderr"],
         }
     )
-    assert quality_counts(rates, 0.95) == {
+    assert quality_counts(rates, "wear_total_mean", 0.95) == {
         "cases": 3,
         "good_r2": 0.95,
         "cases_with_good_r2": 2,
@@ -335,7 +335,7 @@ def test_fewer_than_twenty_batches_are_refused():
 
 def test_the_fitted_line_runs_through_the_ends_of_the_steady_part():
     series, _, runs, cases = straight_study()
-    curves, fits = depth_series(series, runs, cases, SETUP, [5, 77])
+    curves, fits = depth_series(series, runs, cases, SETUP, [5, 77], "total")
     assert list(fits["case_id"]) == [5]
     row = fits.iloc[0]
     assert row["depth_from"] == pytest.approx(0.0, abs=1e-18)

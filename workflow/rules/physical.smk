@@ -120,7 +120,11 @@ rule surrogate:
         table=LEARNED_FROM,
         settings=SURROGATE.model_dump(include={"points", "hidden", "epochs"}),
         splits={**SPLITS, "repeats": min(SURROGATE.repeats, LEARNING.repeats)},
-        options={"confidence": LEARNING.confidence, "seed": CONFIG.seed},
+        options={
+            "confidence": LEARNING.confidence,
+            "seed": CONFIG.seed,
+            "element_size": TARGET["element_size"],
+        },
         code=code_of("physical/surrogate"),
     script:
         "../scripts/physical/surrogate.py"

@@ -57,6 +57,7 @@ rule angles:
                 "factory_angle": CONFIG.figures.angles.factory,
             },
             "duration": CONFIG.figures.angles.duration_s,
+            "measure": MEASURE,
             "min_batches": CONFIG.wear_rate.min_batches,
         },
         code=code_of("wear/angles"),

@@ -21,6 +21,7 @@ from abradem.quantities import (
     wear_column,
 )
 from abradem.units import MM_PER_M
+from abradem.words.wear import WearTarget
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -211,7 +212,7 @@ class CaseResult(SimulationResult):
         found = depth_rate_maps(
             tables["maps"], tables["runs"], self._case_table(), self.setup, [_CASE_ID], measure
         )
-        return self._titled(wear_maps_figure(*found, measure))
+        return self._titled(wear_maps_figure(*found, _of_plate(measure)))
 
     def plot_series(self, measure: str = "total") -> Figure:
         """Draw the mean wear depth of the plate against time, with the fitted slope.
@@ -231,7 +232,7 @@ class CaseResult(SimulationResult):
         found = depth_series(
             tables["series"], tables["runs"], self._case_table(), self.setup, [_CASE_ID], measure
         )
-        return self._titled(series_figure(*found, measure))
+        return self._titled(series_figure(*found, _of_plate(measure)))
 
     def _titled(self, figure: Figure) -> Figure:
         """Replace the number of the case by its main quantities."""
@@ -310,6 +311,10 @@ def simulate(
     return CaseResult(
         **{field.name: getattr(result, field.name) for field in dataclasses.fields(result)}
     )
+
+
+def _of_plate(measure: str) -> WearTarget:
+    return WearTarget(wear_column(measure, "mean"))
 
 
 def _check_name(what: str, name: str, allowed: tuple[str, ...]) -> None:

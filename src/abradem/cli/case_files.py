@@ -8,14 +8,15 @@ from pathlib import Path
 import pandas as pd
 
 from abradem.dem.model import Setup
-from abradem.quantities import WEAR_MEASURES
+from abradem.quantities import WEAR_MEASURES, wear_column
 from abradem.store.columns import COLUMNS, MAP_RATES, Column
 from abradem.store.files import write_csv
 from abradem.store.tables import write_table
+from abradem.words.wear import WearTarget
 
 
 def write_map(
-    tables: Mapping, row: Mapping, setup: Mapping, measure: str, path: Path, numbered: bool
+    tables: Mapping, row: Mapping, setup: Mapping, target: WearTarget, path: Path, numbered: bool
 ) -> None:
     """Write the wear depth rate of every facet in the window, mm/s.
 
@@ -27,8 +28,8 @@ def write_map(
         The case.
     setup : mapping
         Plain values of the `Setup`.
-    measure : str
-        Wear measure of a picture; a table holds all.
+    target : WearTarget
+        A picture shows its measure; a table holds all.
     path : Path
         .parquet, .csv, .png, .pdf or .svg.
     numbered : bool
@@ -39,25 +40,25 @@ def write_map(
     given = tables["maps"], tables["runs"], pd.DataFrame([row]), Setup.from_dict(setup)
     shown = [row["case_id"]]
     if _is_picture(path):
-        figure = wear_maps_figure(*depth_rate_maps(*given, shown, measure), measure)
+        figure = wear_maps_figure(*depth_rate_maps(*given, shown, target.measure), target)
         _save(figure, row, path, numbered)
         return
     places = ["facet_x", "facet_z", "x", "z"]
     facets = {one: depth_rate_maps(*given, shown, one)[0] for one in WEAR_MEASURES}
-    frame = facets[measure][places].assign(
+    frame = facets[target.measure][places].assign(
         **{f"depth_rate_{one}": found["depth_rate"] for one, found in facets.items()}
     )
     write_with_units(frame, path, MAP_RATES)
 
 
 def write_series(
-    tables: Mapping, row: Mapping, setup: Mapping, measure: str, path: Path, numbered: bool
+    tables: Mapping, row: Mapping, setup: Mapping, target: WearTarget, path: Path, numbered: bool
 ) -> None:
     """Write the worn volume over time (table), or the wear depth of the plate (picture).
 
     Parameters
     ----------
-    tables, row, setup, measure, path, numbered
+    tables, row, setup, target, path, numbered
         As for `write_map`.
     """
     if not _is_picture(path):
@@ -71,9 +72,11 @@ def write_series(
         pd.DataFrame([row]),
         Setup.from_dict(setup),
         [row["case_id"]],
-        measure,
+        target.measure,
     )
-    _save(series_figure(*found, measure), row, path, numbered)
+    # The series hold the wear of the whole plate alone.
+    mean = WearTarget(wear_column(target.measure, "mean"))
+    _save(series_figure(*found, mean), row, path, numbered)
 
 
 def write_with_units(

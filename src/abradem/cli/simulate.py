@@ -11,6 +11,7 @@ from pathlib import Path
 from abradem.cli.arguments import InputError
 from abradem.cli.case_input import (
     add_case_arguments,
+    headline,
     load_kernels,
     middle_of_ranges,
     progress_line,
@@ -19,6 +20,7 @@ from abradem.cli.case_input import (
 )
 from abradem.cli.given_values import Given, given_values, impossible_values
 from abradem.surrogate.model import PredictionError
+from abradem.words.wear import WearTarget
 
 NOT_OK = 1
 """Exit code for a case that was simulated but gave no wear rate."""
@@ -217,53 +219,48 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
             file=sys.stderr,
         )
         return None
-    print(wear_lines(rates, config))
+    print(wear_lines(rates, headline(config)))
     return rates
 
 
-def wear_lines(rates, config) -> str:
-    """Return the wear rates of a case in lines: the target of the study, the other statistics.
+def wear_lines(rates, target: WearTarget) -> str:
+    """Return the wear rates of a case in two lines: the target, and its other statistics.
 
     Parameters
     ----------
     rates : pandas.Series
         Row of `abradem.wear.rates.wear_rates`.
-    config : Config
+    target : WearTarget
     """
-    from abradem.quantities import STATISTICS, WEAR_COLUMNS, stderr_column, wear_column
-    from abradem.words.labels import STATISTIC_WORDS
+    from abradem.quantities import STATISTICS, stderr_column, wear_column
 
-    target = config.learning.target
-    if target not in WEAR_COLUMNS:
-        target = wear_column("total", "mean")
-    _, measure, statistic = target.split("_")
-    lines = [
-        f"wear depth rate {rates[target]:.6g} mm/s, standard error "
-        f"{rates[stderr_column(target)]:.2g} mm/s ({measure}, {STATISTIC_WORDS[statistic]}), "
-        f"quality {rates['quality']}"
-    ]
-    lines.append(
-        ", ".join(
-            f"{STATISTIC_WORDS[other]} {rates[name]:.4g} (standard error "
-            f"{rates[stderr_column(name)]:.2g}) mm/s"
-            for other in STATISTICS
-            if other != statistic
-            for name in [wear_column(measure, other)]
-        )
+    others = (
+        target._replace(name=wear_column(target.measure, statistic))
+        for statistic in STATISTICS
+        if statistic != target.statistic
     )
-    return "\n".join(lines)
+    places = ", ".join(
+        f"{one.place} {rates[one.name]:.4g} (standard error "
+        f"{rates[stderr_column(one.name)]:.2g}) mm/s"
+        for one in others
+    )
+    return (
+        f"wear depth rate {rates[target.name]:.6g} mm/s, standard error "
+        f"{rates[stderr_column(target.name)]:.2g} mm/s ({target.measure}, {target.place}), quality "
+        f"{rates['quality']}\n{places}"
+    )
 
 
 def _write_outputs(tables: dict, row: dict, setup: dict, config, options) -> None:
     from abradem.cli.case_files import write_map, write_series
 
-    measure = config.learning.target.split("_")[1]
+    target = headline(config)
     numbered = options.study is not None
     steady = tables["runs"]["window_end"].notna().all()
     if options.series:
-        write_series(tables, row, setup, measure, options.series, numbered)
+        write_series(tables, row, setup, target, options.series, numbered)
     if options.map and steady:
-        write_map(tables, row, setup, measure, options.map, numbered)
+        write_map(tables, row, setup, target, options.map, numbered)
     elif options.map:
         print(f"--map {options.map}: not written, no complete window", file=sys.stderr)
     if options.snapshots and not row["rejected"]:

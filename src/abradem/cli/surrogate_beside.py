@@ -5,21 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from abradem.cli.case_input import OwnSetup
-from abradem.cli.predict import level_text, warn
+from abradem.cli.case_input import OwnSetup, headline
+from abradem.cli.predict import level_text, place_words, warn
 from abradem.learning.number_text import number_or_words
 from abradem.quantities import stderr_column
 from abradem.surrogate.groups import jet_of
 from abradem.surrogate.model import Surrogate
-from abradem.words.labels import wear_words
 
 
 class SurrogateBeside:
     """A surrogate, and the set-up of the simulation that it is compared with."""
 
-    def __init__(self, surrogate: Surrogate, stem: str, setup: Mapping):
+    def __init__(self, surrogate: Surrogate, stem: str, own: OwnSetup):
         self.surrogate, self.stem = surrogate, stem
-        ours, theirs = jet_of(setup)._asdict(), surrogate.jet._asdict()
+        ours, theirs = jet_of(own.setup)._asdict(), surrogate.jet._asdict()
+        target = surrogate.description["target"]
+        if headline(own.config)._replace(name=target["name"]).has_elements:
+            ours["element_size"] = headline(own.config).element_size
+            theirs["element_size"] = target.get("element_size", ours["element_size"])
         self.differences = [
             f"{name} {theirs[name]} instead of {ours[name]}"
             for name in ours
@@ -31,14 +34,14 @@ class SurrogateBeside:
         prediction = self.surrogate.predict(values)
         warn(prediction.warnings)
         if self.differences:
-            warn([f"the surrogate was trained with another jet: {', '.join(self.differences)}"])
+            warn([f"the surrogate was trained with another set-up: {', '.join(self.differences)}"])
         target = self.surrogate.description["target"]
         name, unit = target["name"], target["unit"]
         rate, low, high = (float(column[0]) for column in prediction[:3])
         line = (
             f"surrogate {self.stem}: {rate:.4g} {unit}, "
             f"{level_text(prediction, self.surrogate)} interval {low:.4g} to "
-            f"{number_or_words(high, '.4g', 'any number of')} {unit} ({name}: {wear_words(name)})"
+            f"{number_or_words(high, '.4g', 'any number of')} {unit} ({name}: {place_words(self.surrogate)})"
         )
         if name in rates:
             line += (
@@ -59,4 +62,4 @@ def surrogate_beside(model: str | None, own: OwnSetup) -> SurrogateBeside | None
     stem = model or f"results/{own.config.study}/models/surrogate"
     if model is None and not Path(f"{stem}.json").is_file():
         return None
-    return SurrogateBeside(Surrogate.load(stem), stem, own.setup)
+    return SurrogateBeside(Surrogate.load(stem), stem, own)

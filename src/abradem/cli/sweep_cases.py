@@ -12,6 +12,7 @@ from abradem.cli.arguments import InputError
 from abradem.cli.case_input import (
     OwnSetup,
     add_case_arguments,
+    headline,
     load_kernels,
     middle_of_ranges,
     read_setup,
@@ -165,12 +166,22 @@ def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
     table = simulate_cases(
         cases, own.setup, own.seed, rate_options(own.config), options.cores, _counter(len(cases))
     )
-    target = own.config.learning.target
+    said = headline(own.config)
+    target = said.name
     rate, error = table[target].to_numpy(), table[stderr_column(target)].to_numpy()
     _write(table, options)
     if options.figure:
         bars = "bars: standard error"
-        _draw(table, swept, target, rate - error, rate + error, target, bars, options.figure)
+        _draw(
+            table,
+            swept,
+            target,
+            rate - error,
+            rate + error,
+            _sentence(said.words),
+            bars,
+            options.figure,
+        )
     lacking = table[table[target].isna()]
     _say(len(table), len(lacking), "simulated", options)
     for _, row in lacking.iterrows():
@@ -182,8 +193,7 @@ def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
 
 def _predict(cases, swept: Swept, own: OwnSetup, filled: dict, level, options) -> int:
     from abradem.cases.sweep import predict_cases
-    from abradem.cli.predict import warn
-    from abradem.words.labels import wear_words
+    from abradem.cli.predict import place_words, warn
 
     stem = options.model or f"results/{own.config.study}/models/surrogate"
     surrogate = Surrogate.load(stem)
@@ -195,7 +205,7 @@ def _predict(cases, swept: Swept, own: OwnSetup, filled: dict, level, options) -
         name = surrogate.description["target"]["name"]
         shown = level or min(surrogate.usual_confidence, surrogate.highest_confidence)
         low, high = (table[f"wear_depth_rate_{end}"].to_numpy() for end in ("lower", "upper"))
-        words = f"{name}: {wear_words(name)}, surrogate"
+        words = f"Surrogate, {name}: {place_words(surrogate)}"
         bars = f"bars: {100.0 * shown:.4g} % interval"
         _draw(table, swept, "wear_depth_rate", low, high, words, bars, options.figure)
     _say(len(table), 0, "predicted", options)
@@ -218,6 +228,10 @@ def _draw(table, swept: Swept, rate: str, low, high, words: str, bars: str, path
 
     figure = sweep_figure(table, swept.lists, rate, low, high, words, bars)
     save(figure, path.with_suffix(""), [path.suffix.lower().removeprefix(".")])
+
+
+def _sentence(words: str) -> str:
+    return words[:1].upper() + words[1:]
 
 
 def _say(count: int, lacking: int, what: str, options: argparse.Namespace) -> None:

@@ -329,6 +329,21 @@ def _columns(unit: str, dtype: str = "float64", /, **names: str) -> dict[str, Co
     return {name: Column(unit, words, dtype) for name, words in names.items()}
 
 
+EXPONENTS = {
+    **_columns("1", "string", quantity="quantity", verdict="whether both exponents agree"),
+    **_columns("1", "int64", rows="cases used"),
+    **_columns(
+        "1",
+        exponent="exponent in the wear rate of the study",
+        exponent_stderr="its standard error",
+        published_exponent="exponent in the published data",
+        published_stderr="its standard error",
+        combined_errors="difference by the root of the sum of both squared standard errors",
+    ),
+}
+"""Table of `abradem.learning.exponents`."""
+
+
 CALIBRATION = {
     **_columns(
         "1",

@@ -39,7 +39,7 @@ def long_rate(result: SimulationResult) -> float:
     return float(worn[-1] - np.interp(time[-1] - length, time, worn)) / length
 
 
-def runs() -> pd.DataFrame:
+def ended_cases() -> pd.DataFrame:
     """Return the cases ended by the rule over the reference of their corner."""
     frames = []
     for corner, (radius, angle, number, duration, long) in CORNERS.items():
@@ -97,5 +97,5 @@ def _least(count: int) -> float:
 
 def study() -> dict[str, pd.DataFrame]:
     """Return the tables of this part."""
-    ended = runs()
+    ended = ended_cases()
     return {"checks": checks_table(PART, checks(ended)), "ended": ended}

@@ -10,6 +10,7 @@ import pandas as pd
 
 from abradem.dem.model import Case, Setup
 from abradem.dem.steady import steady_start
+from abradem.quantities import WEAR_MEASURES
 from abradem.units import MM_PER_M
 from abradem.wear.rates import steady_rate
 
@@ -21,6 +22,7 @@ def depth_by_angle(
     setup: Setup,
     angles: Mapping[str, Iterable[float]],
     duration: float,
+    measure: str,
     min_batches: int = 20,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Simulate the wear depth of the plate over time, with each angle varied separately.
@@ -34,6 +36,8 @@ def depth_by_angle(
         Values of each of `ANGLES`, degrees.
     duration : float
         Simulated time of each case, s.
+    measure : str
+        One of `abradem.quantities.WEAR_MEASURES`.
     min_batches : int
         Number of batches for slope and standard error.
 
@@ -62,7 +66,8 @@ def depth_by_angle(
             result = known[place]
             if result.status != "ok":
                 raise RuntimeError(f"{varied} = {angle:g} deg: ended early: {result.status}")
-            depth = MM_PER_M * case["archard_constant"] / setup.plate_area * result.worn[:, 0]
+            worn = result.worn[:, WEAR_MEASURES.index(measure)]
+            depth = MM_PER_M * case["archard_constant"] / setup.plate_area * worn
             row = {"varied": varied, "angle": angle}
             curves.append(pd.DataFrame({**row, "time": result.time, "wear_depth": depth}))
             start = steady_start(result.time, depth).time
