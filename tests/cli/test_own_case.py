@@ -211,8 +211,8 @@ def test_without_a_steady_window_no_rate_and_no_map_are_written(capsys, asked, m
     assert code == 1 and out == ["ok, 3.5 s simulated"]
     assert err[-2:] == [
         "--map map.png: not written, no complete window",
-        "no wear rate: the plate did not wear steadily for the window of 2.5 s; simulate longer, "
-        "or shorten simulation.stop.window_s",
+        f"no wear rate: the plate did not wear steadily for the window of {DEFAULT['window']:g} s; "
+        "simulate longer, or shorten simulation.stop.window_s",
     ]
     assert [path.name for path in Path().iterdir()] == ["series.csv"]
 
@@ -433,6 +433,38 @@ def test_a_sweep_is_printed_if_no_file_is_given_and_a_case_without_a_rate_is_nam
         "2 cases simulated, 1 without a wear rate",
         "no wear rate: plate_angle = 0: stderr+unsteady",
     ]
+
+
+@pytest.mark.parametrize(
+    ("target", "words"),
+    [
+        ("wear_friction_p99", "Wear depth rate, friction, 99th percentile of 30 mm elements"),
+        ("wear_total_mean", "Wear depth rate, total, mean over the plate"),
+    ],
+)
+def test_the_picture_of_a_sweep_shows_the_headline_of_the_study(
+    capsys, asked, monkeypatch, target, words
+):
+    import abradem.cli.sweep_cases as command
+
+    drawn = []
+    monkeypatch.setattr(command, "_draw", lambda *given: drawn.append(given))
+    code, out, _ = run(
+        capsys, "sweep", "plate_angle=0,30", "particle_radius=20,30mm", "--cores", 1,
+        "--set", f"learning.target={target}", "--figure", "s.png", "--output", "s.csv",
+    )  # fmt: skip
+    assert code == 0 and out == ["4 cases simulated, written to s.csv and s.png"]
+    ((table, swept, rate, low, high, said, bars, path),) = drawn
+    assert (rate, said, bars, path) == (target, words, "bars: standard error", Path("s.png"))
+    assert list(swept.lists) == ["plate_angle", "particle_radius"]
+    np.testing.assert_allclose((low + high) / 2, table[target])
+    np.testing.assert_allclose((high - low) / 2, table[f"{target}_stderr"], atol=1e-18)
+
+
+def test_the_picture_of_a_simulated_sweep_is_written(capsys, asked):
+    run(capsys, "sweep", "particle_radius=20:40:5mm", "--cores", 1, "--figure", "s.png")
+    assert [path.name for path in Path().iterdir()] == ["s.png"]
+    assert matplotlib.image.imread("s.png").std() > 0.05
 
 
 def test_a_sweep_of_the_surrogate_simulates_nothing(capsys, asked, here):

@@ -2,8 +2,7 @@
 
 Every combination is simulated by the functions of a study (`abradem.simulation.batch.run_case`,
 `abradem.wear.rates.wear_rates`), so a row has the numbers that a study would give for that case.
-All have the same seed: where only the wear or the angle of the plate differs, the released
-particles are the same, and differences between rows have less scatter than the rows.
+All have the same seed.
 """
 
 from __future__ import annotations

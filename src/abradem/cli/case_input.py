@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from abradem.cli.arguments import InputError
 from abradem.cli.given_values import Given, value_text
 from abradem.config.materials import PARTICLE_MATERIALS
-from abradem.quantities import SAMPLED_NAMES, TARGET, WEAR_COLUMNS
+from abradem.quantities import SAMPLED_NAMES
 from abradem.units import parse_quantity
 from abradem.words.wear import WearTarget
 
@@ -164,8 +164,7 @@ def headline(config: Config) -> WearTarget:
     """Return the wear rate that the models of a configuration explain."""
     from abradem.config import target_dict
 
-    target = WearTarget(**target_dict(config))
-    return target if target.name in WEAR_COLUMNS else WearTarget(TARGET.name)
+    return WearTarget(**target_dict(config))
 
 
 def middle_of_ranges(own: OwnSetup, given: Iterable[str]) -> dict[str, float]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from abradem.cli.case_input import OwnSetup, headline
 from abradem.cli.predict import level_text, place_words, warn
 from abradem.learning.number_text import number_or_words
-from abradem.quantities import stderr_column
+from abradem.quantities import WEAR_COLUMNS, stderr_column
 from abradem.surrogate.groups import jet_of
 from abradem.surrogate.model import Surrogate
 
@@ -20,7 +20,8 @@ class SurrogateBeside:
         self.surrogate, self.stem = surrogate, stem
         ours, theirs = jet_of(own.setup)._asdict(), surrogate.jet._asdict()
         target = surrogate.description["target"]
-        if headline(own.config)._replace(name=target["name"]).has_elements:
+        of_elements = target["name"] in WEAR_COLUMNS and not target["name"].endswith("_mean")
+        if of_elements:
             ours["element_size"] = headline(own.config).element_size
             theirs["element_size"] = target.get("element_size", ours["element_size"])
         self.differences = [
@@ -37,11 +38,12 @@ class SurrogateBeside:
             warn([f"the surrogate was trained with another set-up: {', '.join(self.differences)}"])
         target = self.surrogate.description["target"]
         name, unit = target["name"], target["unit"]
+        place = place_words(self.surrogate)
         rate, low, high = (float(column[0]) for column in prediction[:3])
         line = (
             f"surrogate {self.stem}: {rate:.4g} {unit}, "
             f"{level_text(prediction, self.surrogate)} interval {low:.4g} to "
-            f"{number_or_words(high, '.4g', 'any number of')} {unit} ({name}: {place_words(self.surrogate)})"
+            f"{number_or_words(high, '.4g', 'any number of')} {unit} ({name}: {place})"
         )
         if name in rates:
             line += (

@@ -172,16 +172,8 @@ def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
     _write(table, options)
     if options.figure:
         bars = "bars: standard error"
-        _draw(
-            table,
-            swept,
-            target,
-            rate - error,
-            rate + error,
-            _sentence(said.words),
-            bars,
-            options.figure,
-        )
+        words = f"{said.words[0].upper()}{said.words[1:]}"
+        _draw(table, swept, target, rate - error, rate + error, words, bars, options.figure)
     lacking = table[table[target].isna()]
     _say(len(table), len(lacking), "simulated", options)
     for _, row in lacking.iterrows():
@@ -228,10 +220,6 @@ def _draw(table, swept: Swept, rate: str, low, high, words: str, bars: str, path
 
     figure = sweep_figure(table, swept.lists, rate, low, high, words, bars)
     save(figure, path.with_suffix(""), [path.suffix.lower().removeprefix(".")])
-
-
-def _sentence(words: str) -> str:
-    return words[:1].upper() + words[1:]
 
 
 def _say(count: int, lacking: int, what: str, options: argparse.Namespace) -> None:
