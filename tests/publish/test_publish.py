@@ -152,7 +152,7 @@ def test_the_card_names_every_column_range_licence_and_author(made):
         "no wear",
     ):
         assert text in card
-    assert "0.02" in card and "0.99900" in card
+    assert "is below 0.2 or" in card and "0.99900" in card
 
 
 @pytest.mark.parametrize(

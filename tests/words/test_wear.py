@@ -41,7 +41,9 @@ def test_every_wear_rate_is_the_target_of_the_table_of_quantities():
 @pytest.mark.parametrize(
     ("values", "expected"),
     [
-        ({}, ("wear_total_mean", 0.01)),
+        ({}, ("wear_friction_p99", 0.03)),
+        ({"learning": {"target": "wear_total_mean"}, "wear_rate": {"element_size_mm": None}},
+         ("wear_total_mean", 0.01)),
         ({"learning": {"target": "wear_friction_p99"}, "wear_rate": {"element_size_mm": 30}},
          ("wear_friction_p99", 0.03)),
         ({"learning": {"target": "wear_total_max"}, "dataset": {"external": "t.csv"}},

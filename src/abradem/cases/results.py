@@ -203,7 +203,7 @@ class CaseResult(SimulationResult):
         Returns
         -------
         matplotlib.figure.Figure
-            Save it with ``figure.savefig("map.png")``.
+            Save it with ``figure.savefig("map.png", dpi=300)``.
         """
         from abradem.figures.maps import depth_rate_maps, wear_maps_figure
 

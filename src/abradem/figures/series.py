@@ -161,7 +161,7 @@ def depth_series(
         depth = per_joule * rows[f"worn_{measure}"].to_numpy(dtype=float)
         curves.append(pd.DataFrame({"case_id": key, "time": time, "wear_depth": depth}))
         start = run["steady_from"]
-        interval = release_interval(run, rows["delivered_mass"].to_numpy()[-1])
+        interval = release_interval(run, rows["delivered_mass"].max())
         fit = steady_rate(time, depth, start, min_batches, interval)
         known = np.isfinite(fit.rate)
         from_depth = float(np.interp(start, time, depth)) if known else np.nan
