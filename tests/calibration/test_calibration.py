@@ -106,6 +106,16 @@ def test_small_particles_are_left_out_and_nothing_is_held_out_if_not_asked():
     assert (rows.loc[~small, "part"] == "used").all() and small.any()
 
 
+def test_rows_known_to_be_wrong_are_left_out():
+    table = drawn(40).assign(wear_total_mean=1.0 + np.arange(40.0))
+    wrong = {3, 17, 39}
+    rows = arranged_rows(table, "wear_total_mean", 4, 0.0, wrong)
+    assert set(rows.loc[rows["part"] == "left out", "case_id"]) == wrong
+    others = arranged_rows(table[~table["case_id"].isin(wrong)], "wear_total_mean", 4, 0.0)
+    kept = rows[rows["part"] != "left out"].reset_index(drop=True)
+    pd.testing.assert_frame_equal(kept, others)
+
+
 # Scores
 
 

@@ -69,6 +69,7 @@ def test_a_search_that_can_be_is_accepted(capsys):
         ({"table": "https://a.b/c.csv"}, "calibration.table: https://a.b/c.csv: is an address"),
         ({"target": "wear_total_max"}, "table.csv: lacks wear_total_max, the calibration.target"),
         ({"columns": {"plate_angle": "zebra"}}, "table.csv: lacks column 'zebra'"),
+        ({"leave_out": [2, 5000]}, "table.csv: has no row 5000 of calibration.leave_out"),
     ],
 )
 def test_what_a_calibration_cannot_begin_with_is_refused(capsys, option, change, line):

@@ -75,6 +75,7 @@ rule trial_setups:
             "target": SEARCH.target,
             "every": SEARCH.held_out_every,
             "least_radius": SEARCH.least_radius_mm / 1000.0,
+            "leave_out": SEARCH.leave_out,
         },
         trials=TRIALS,
         setups=TRIAL_SETUPS,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 import pandas as pd
 
@@ -11,7 +13,11 @@ GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
 def arranged_rows(
-    table: pd.DataFrame, target: str, every: int, least_radius: float
+    table: pd.DataFrame,
+    target: str,
+    every: int,
+    least_radius: float,
+    leave_out: Collection[int] = (),
 ) -> pd.DataFrame:
     """Return the rows with their part in the search.
 
@@ -29,6 +35,8 @@ def arranged_rows(
         0 holds nothing out.
     least_radius : float
         Rows with smaller particles, m, are left out of the search: they are the most expensive.
+    leave_out : collection of int
+        Further rows that are left out, by ``case_id``.
 
     Returns
     -------
@@ -40,9 +48,9 @@ def arranged_rows(
     rows["block"], rows["seed"], rows["rejected"] = 0, rows["case_id"], ""
     rows["given"] = table[target].to_numpy(dtype=float)
     rows = rows.sort_values(["given", "case_id"], kind="stable", ignore_index=True)
-    small = (rows["particle_radius"] < least_radius).to_numpy()
-    part = np.where(small, "left out", "used").astype(object)
-    considered = np.flatnonzero(~small)
+    left = (rows["particle_radius"] < least_radius) | rows["case_id"].isin(list(leave_out))
+    part = np.where(left, "left out", "used").astype(object)
+    considered = np.flatnonzero(~left)
     if every:
         # From the middle of a stride, so that neither the lowest nor the highest is held out.
         part[considered[every // 2 :: every]] = "held out"

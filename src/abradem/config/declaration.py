@@ -299,18 +299,18 @@ class Contact(Section):
     """Options of the contact law that the paper does not specify."""
 
     normal: Literal["exact_e", "nominal_clipped", "nominal_attractive"] = _key(
-        "nominal_attractive",
+        "exact_e",
         "exact_e: never attractive, and an isolated impact rebounds at exactly e. "
         "nominal_clipped: the textbook damping, clipped so that it is never attractive. "
         "nominal_attractive: the textbook damping, which is attractive at the end of a contact.",
     )
     tangential: Literal["incremental", "displacement"] = _key(
-        "displacement",
+        "incremental",
         "incremental: the spring force is accumulated step by step. displacement: it is the "
         "stiffness times the accumulated displacement, as documented for one commercial code.",
     )
     tangential_damping: Literal["capped", "none", "uncapped"] = _key(
-        "uncapped",
+        "capped",
         "capped: Coulomb's law limits the sum of spring and damping force. uncapped: it limits "
         "only the spring force. none: no tangential damping.",
     )
@@ -793,6 +793,12 @@ class Calibration(Section):
     )
     least_radius_mm: float = _key(
         0.0, "Rows with smaller particles are left out.", unit="mm", ge=0.0, le=100.0
+    )
+    leave_out: list[Annotated[int, Field(ge=0)]] = _key(
+        [],
+        "Rows that are left out, by case_id or, without that column, by their number from 0: those "
+        "known to be wrong.",
+        allowed="a list of whole numbers from 0 on",
     )
     held_out_every: int = _key(
         4,

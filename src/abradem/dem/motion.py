@@ -24,9 +24,8 @@ from abradem.dem.state import (
     TOUCHING,
     WAKING,
     energy_of,
-    fall,
     fall_speed,
-    flight,
+    flying_place,
     kinetic_energy_of,
 )
 from abradem.dem.vectors import cross, dot, fma, plus, scaled, split
@@ -35,10 +34,7 @@ from abradem.dem.vectors import cross, dot, fma, plus, scaled, split
 @kernel(inline=True)
 def fly_to(problem, particle, step):
     """Set the position of a flying particle to that at a lattice step."""
-    time = problem.dt * (step - particle.anchor_step)
-    particle.x = flight(particle.anchor_x, particle.vx, time)
-    particle.y = fall(particle.anchor_y, particle.vy, problem.gravity, time)
-    particle.z = flight(particle.anchor_z, particle.vz, time)
+    particle.x, particle.y, particle.z = flying_place(problem, particle, step)
 
 
 @kernel(inline=True)

@@ -268,6 +268,17 @@ def fall(start, velocity, gravity, time):
 
 
 @kernel(inline=True)
+def flying_place(problem, particle, step):
+    """Position (x, y, z) of a flying particle at a lattice step, m."""
+    time = problem.dt * (step - particle.anchor_step)
+    return (
+        flight(particle.anchor_x, particle.vx, time),
+        fall(particle.anchor_y, particle.vy, problem.gravity, time),
+        flight(particle.anchor_z, particle.vz, time),
+    )
+
+
+@kernel(inline=True)
 def fall_speed(problem, particle, step):
     """Vertical velocity of a flying particle at a lattice step, m/s."""
     return fma(-problem.gravity, problem.dt * (step - particle.anchor_step), particle.vy)

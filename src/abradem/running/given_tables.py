@@ -76,8 +76,14 @@ def calibration_inputs(
     setups: list[dict] = []
     try:
         path = _table("calibration.table", search.table)
-        if search.target not in read_external(path, search.columns):
+        table = read_external(path, search.columns)
+        if search.target not in table:
             problems.append(f"{path}: lacks {search.target}, the calibration.target")
+        unknown = sorted(set(search.leave_out) - set(table["case_id"]))
+        if unknown:
+            problems.append(
+                f"{path}: has no row {', '.join(map(str, unknown[:5]))} of calibration.leave_out"
+            )
     except TableError as error:
         problems += str(error).splitlines()
     try:
