@@ -1,5 +1,6 @@
 """`abradem simulate` and `abradem sweep` for cases of one's own: input, output, one line each."""
 
+import io
 import re
 from pathlib import Path
 
@@ -524,3 +525,52 @@ def test_one_line_says_what_is_wrong_with_a_sweep(capsys, asked, arguments, line
     code, out, err = run(capsys, "sweep", *arguments)
     assert code == 2 and out == [] and asked == []
     assert len(err) == 1 and err[0].startswith(line)
+
+
+# Progress
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize(
+    ("setup", "end"),
+    [({"duration": 5.0}, "of 5 s"), ({"max_time": 10.0, "duration": None}, "s, at most 10 s")],
+)
+def test_progress_is_a_line_that_is_cleared_and_only_on_a_terminal(monkeypatch, setup, end):
+    from abradem.cli.case_input import progress_line
+
+    monkeypatch.setattr("sys.stderr", io.StringIO())
+    assert progress_line(setup)[0] is None
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    progress, clear = progress_line(setup)
+    progress(1.5)
+    # At most five times a second.
+    progress(1.6)
+    assert terminal.getvalue() == f"\r\x1b[2Ksimulated 1.50 {end}"
+    clear()
+    assert terminal.getvalue().endswith("\r\x1b[2K")
+
+
+def test_a_case_of_ones_own_shows_its_progress_on_a_terminal(monkeypatch, asked):
+    def simulate(case, setup, progress=None):
+        progress(0.25)
+        return straight_line(case, setup)
+
+    monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    assert main(["simulate"]) == 0
+    lines = terminal.getvalue().split("\r\x1b[2K")
+    assert lines[1] == f"simulated 0.25 s, at most {DEFAULT['max_time']:g} s" and lines[2] == ""
+
+
+def test_a_sweep_counts_its_cases_on_a_terminal(monkeypatch, asked):
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    assert main(["sweep", "plate_angle=0,20,40", "--cores", "1", "--output", "s.csv"]) == 0
+    shown = terminal.getvalue().split("\r\x1b[2K")[1:]
+    assert shown == ["1 of 3 cases simulated", "2 of 3 cases simulated", ""]
