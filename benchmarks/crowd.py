@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from abradem.cli.main import find_case
+from abradem.cli.simulate import find_case
 from abradem.config import read_config, setup_dict
 from abradem.dem.model import Case, Setup
 from abradem.dem.simulation import Engine

@@ -27,7 +27,7 @@ RULES = ROOT / "workflow/rules"
 
 FLOORS = {
     "cli": 9,
-    "running": 8, "report": 8, "publish": 8,
+    "running": 8, "report": 8, "publish": 8, "cases": 8,
     "figures": 7,
     "verification": 6, "learning": 6, "calibration": 6,
     "surrogate": 5,
@@ -58,6 +58,7 @@ ONE_PROTOCOL = {
     "checks": "parts of the verification study, whose checks need other tables, judge them",
     "draw": "modules of figures: the figure of a rule",
     "main": "commands",
+    "simulate": "the engine runs a case; what users call adds the wear rates to its result",
     "study": "parts of the verification study: their tables",
     "train": "models of the paper: the outputs of a rule",
 }

@@ -16,8 +16,9 @@ _LAZY = {
     "Interaction": "abradem.dem",
     "ContactModel": "abradem.dem",
     "SimulationResult": "abradem.dem",
+    "CaseResult": "abradem.cases",
     "Impact": "abradem.dem",
-    "simulate": "abradem.dem",
+    "simulate": "abradem.cases",
     "single_impact": "abradem.dem",
     "predict": "abradem.surrogate.model",
 }

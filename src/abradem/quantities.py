@@ -191,6 +191,29 @@ def check_value(name: str, value: float) -> str | None:
     return None
 
 
+def impossible(name: str, value: float, where: str = "") -> str | None:
+    """Return one line on why a value is impossible, with what is allowed, or None.
+
+    Parameters
+    ----------
+    name : str
+        A sampled quantity.
+    value : float
+        In the unit of the table.
+    where : str
+        Place of the value, such as " in row 3".
+    """
+    row = quantity(name)
+    low, high = row.limits
+    if low <= value <= high:
+        return None
+    unit = "" if row.unit == "1" else f" {row.unit}"
+    sense = "; down is negative" if name == "particle_velocity_y" else ""
+    return (
+        f"{name} = {value:g}{unit}{where} is impossible (allowed {low:g} ... {high:g}{unit}{sense})"
+    )
+
+
 def stderr_column(rate: str) -> str:
     """Return the column name of the standard error of a wear depth rate, given by its column."""
     return f"{rate}_stderr"

@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 
+class InputError(ValueError):
+    """Invalid input; the message is one line for each problem."""
+
+
 def joined(arguments: Sequence[str]) -> list[str]:
     """Return arguments in which NAME = VALUE, with blanks around "=", is one word.
 

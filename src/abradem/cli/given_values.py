@@ -1,16 +1,17 @@
-"""NAME=VALUE on the command line: blanks around "=", units, presets, and what is misspelt."""
+"""NAME=VALUE on the command line: blanks around "=", units, presets, lists, what is misspelt."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from abradem.config.materials import PARTICLE_MATERIALS, material_name, preset, similar_material
 from abradem.dataset.known_names import hint_for, known_quantity
-from abradem.quantities import SAMPLED_NAMES, quantity
+from abradem.quantities import SAMPLED_NAMES, impossible, quantity
 from abradem.surrogate.model import PredictionError
-from abradem.units import parse_quantity, parse_value
+from abradem.units import has_unit, parse_quantity, parse_value
 
 _LEVEL = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?\s*(%?)")
 
@@ -30,7 +31,17 @@ class Given(NamedTuple):
     origins: dict[str, str]
 
 
+class Swept(NamedTuple):
+    """Quantities of a sweep: those with one value, and the values of the others in their order."""
+
+    fixed: Given
+    lists: dict[str, tuple[float, ...]]
+
+
 COMMAND_LINE = "command line"
+
+MOST_VALUES = 10_000
+"""Largest number of values of one quantity of a sweep."""
 
 LEAST_PERCENT = 50.0
 """Smallest number that is taken for percent without the mark: 1.5 may be a slip of 0.15 or 15."""
@@ -51,13 +62,43 @@ def given_values(texts: Sequence[str], material: str | None) -> Given:
     PredictionError
         With one line for each problem; all misspelt names are in one line.
     """
+    swept = _read(texts, material, lists=False)
+    return swept.fixed
+
+
+def swept_values(texts: Sequence[str], material: str | None) -> Swept:
+    """Read the values of a sweep, each a value, a list or a range, and of a preset.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        Words such as "particle_radius=10mm,20mm" or "plate_angle=0:70:5" (first, last, step; the
+        last value belongs to the range if a step ends on it). A unit behind the last number alone
+        is that of all.
+    material : str or None
+        Name of a preset.
+
+    Raises
+    ------
+    PredictionError
+        With one line for each problem.
+    """
+    return _read(texts, material, lists=True)
+
+
+def _read(texts: Sequence[str], material: str | None, lists: bool) -> Swept:
     values: dict[str, float] = {}
     origins: dict[str, str] = {}
-    if material is not None:
-        particle = _particle_material(material)
-        values |= preset(particle)
-        origins |= dict.fromkeys(values, particle)
+    several: dict[str, tuple[float, ...]] = {}
     problems, unknown, seen = [], [], set()
+    if material is not None:
+        try:
+            particle = _particle_material(material)
+        except PredictionError as error:
+            problems.append(str(error))
+        else:
+            values |= preset(particle)
+            origins |= dict.fromkeys(values, particle)
     for text in _assignments(texts):
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
@@ -74,15 +115,67 @@ def given_values(texts: Sequence[str], material: str | None) -> Given:
             quantity_name, unit = known
             seen.add(quantity_name)
             try:
-                values[quantity_name] = parse_value(quantity_name, value, unit)
+                if lists and ("," in value or ":" in value):
+                    several[quantity_name] = _values_of(quantity_name, value, unit)
+                    values.pop(quantity_name, None)
+                else:
+                    values[quantity_name] = parse_value(quantity_name, value, unit)
                 origins[quantity_name] = COMMAND_LINE
             except ValueError as error:
                 problems.append(str(error))
     if unknown:
         problems.insert(0, _unknown(unknown))
     if problems:
+        # What is possible is checked again where the values are used.
+        problems += impossible_values({**values, **several})
         raise PredictionError("\n".join(problems))
-    return Given(values, origins)
+    return Swept(Given(values, origins), several)
+
+
+def impossible_values(values: Mapping[str, float | Sequence[float]]) -> list[str]:
+    """Return one line for each value, or value of a list, that is impossible."""
+    lines = [
+        impossible(name, number)
+        for name, numbers in values.items()
+        for number in ([numbers] if isinstance(numbers, (int, float)) else numbers)
+    ]
+    return [line for line in lines if line]
+
+
+def _values_of(name: str, text: str, unit: str | None) -> tuple[float, ...]:
+    """Return the values of a list or of a range."""
+    mark = ":" if ":" in text else ","
+    words = [word.strip() for word in text.split(mark)]
+    if mark == ":" and (len(words) != 3 or "," in text):
+        raise ValueError(f"{name} = {text!r} is not a range FIRST:LAST:STEP or a list A,B,C")
+    if not all(words):
+        raise ValueError(f"{name} = {text!r} has an empty place")
+    if has_unit(words[-1]) and not any(has_unit(word) for word in words[:-1]):
+        unit = _unit_behind(words[-1])
+    numbers = [parse_value(name, word, unit) for word in words]
+    if mark == ",":
+        if len(set(numbers)) < len(numbers):
+            raise ValueError(f"{name} = {text!r} holds a value twice")
+        return tuple(numbers)
+    first, last, step = numbers
+    steps = (last - first) / step if step else math.nan
+    if not steps >= 0.0:
+        raise ValueError(f"{name} = {text!r}: the step does not lead from the first to the last")
+    if steps > MOST_VALUES:
+        raise ValueError(f"{name} = {text!r} has more than {MOST_VALUES} values")
+    # A last value missed by rounding alone belongs to the range.
+    count = math.floor(steps + 1e-9) + 1
+    ends = abs(steps - (count - 1)) <= 1e-9
+    return tuple(
+        last if ends and place == count - 1 and count > 1 else first + place * step
+        for place in range(count)
+    )
+
+
+def _unit_behind(text: str) -> str:
+    """Return the unit behind a number."""
+    found = re.match(r"[-+−]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+−]?[0-9]+)?\s*(.*)", text)
+    return found.group(1) if found else ""
 
 
 def _assignments(texts: Sequence[str]) -> list[str]:

@@ -103,25 +103,59 @@ class ContactModel:
 
 @dataclass(frozen=True)
 class Case:
-    """The sampled quantities of one simulation; names and units as in `abradem.quantities`.
+    """The sampled quantities of one simulation, by default the middle of the paper's ranges.
 
-    ``seed`` determines the random positions of the released particles.
+    Names, units, ranges and limits are those of `abradem.quantities`. `abradem.simulate` refuses
+    values outside the limits given here in square brackets.
+
+    Parameters
+    ----------
+    particle_shear_modulus : float
+        Pa [1e6, 1e12].
+    particle_poisson_ratio : float
+        [0, 0.499].
+    particle_density : float
+        kg/m3 [10, 25000].
+    equipment_shear_modulus : float
+        Of the plate, Pa [1e6, 1e12].
+    equipment_poisson_ratio : float
+        Of the plate [0, 0.499].
+    equipment_density : float
+        Of the plate, kg/m3 [10, 25000].
+    restitution : float
+        Coefficient of restitution [0.05, 1].
+    rolling_friction : float
+        Coefficient of rolling friction [0, 1].
+    static_friction : float
+        Coefficient of static friction [0, 2].
+    archard_constant : float
+        W of Archard's law, 1/Pa [1e-16, 0.0001]; scales the wear, not the motion.
+    plate_angle : float
+        deg [-90, 90], 0 is level.
+    factory_angle : float
+        deg [-90, 90], see `Setup.patch_place`.
+    particle_radius : float
+        m [0.0001, 0.1].
+    particle_velocity_y : float
+        Vertical velocity at the release, m/s [-30, 0], negative is down.
+    seed : int
+        Determines the random positions of the released particles, [0, 2^63).
     """
 
-    particle_shear_modulus: float
-    particle_poisson_ratio: float
-    particle_density: float
-    equipment_shear_modulus: float
-    equipment_poisson_ratio: float
-    equipment_density: float
-    restitution: float
-    rolling_friction: float
-    static_friction: float
-    archard_constant: float
-    plate_angle: float
-    factory_angle: float
-    particle_radius: float
-    particle_velocity_y: float
+    particle_shear_modulus: float = 6e9
+    particle_poisson_ratio: float = 0.275
+    particle_density: float = 3000.0
+    equipment_shear_modulus: float = 55e9
+    equipment_poisson_ratio: float = 0.275
+    equipment_density: float = 7000.0
+    restitution: float = 0.5
+    rolling_friction: float = 0.055
+    static_friction: float = 0.475
+    archard_constant: float = 5.05e-9
+    plate_angle: float = 35.0
+    factory_angle: float = -45.0
+    particle_radius: float = 0.0225
+    particle_velocity_y: float = -5.0
     seed: int = 0
 
     def __post_init__(self):
@@ -309,7 +343,7 @@ class Setup:
         return self.plate_length * self.plate_width
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SimulationResult:
     """Result of one simulation; wear is for an Archard constant of 1, in J = N m.
 
@@ -387,6 +421,14 @@ class SimulationResult:
     released: int
     removed: int
     energy: dict
+
+    def __repr__(self) -> str:
+        return (
+            f"<{type(self).__name__}: {self.status}, {self.simulated_time:g} s simulated, "
+            f"{self.released} particles released; plate_angle={self.case.plate_angle:g}, "
+            f"particle_radius={self.case.particle_radius:g}, "
+            f"particle_velocity_y={self.case.particle_velocity_y:g}>"
+        )
 
     @property
     def release_interval(self) -> float:

@@ -263,6 +263,16 @@ def title_case(panel: Axes, index: int, row) -> None:
     )
 
 
+def title_own_case(panel: Axes, row) -> None:
+    """Title of a panel for a case that has no number: its main quantities."""
+    panel.set_title(
+        f"$\\varphi$ = {number(row['plate_angle'])}°, $R$ = {number(1e3 * row['particle_radius'])} "
+        f"mm, $v_y$ = {number(row['particle_velocity_y'])} m/s",
+        loc="left",
+        fontsize=6.5,
+    )
+
+
 _ROOM = 0.35
 
 

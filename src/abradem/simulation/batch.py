@@ -17,10 +17,10 @@ import os
 import shutil
 import time
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from abradem.dem.model import Case, Setup
+from abradem.dem.model import Case, Setup, SimulationResult
 from abradem.quantities import SAMPLED_NAMES, WEAR_MEASURES
 from abradem.store.locks import locked
 
@@ -58,7 +58,9 @@ def case_key(row: Mapping, setup: Mapping, code: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
-def run_case(row: Mapping, setup: Mapping) -> dict:
+def run_case(
+    row: Mapping, setup: Mapping, progress: Callable[[float], object] | None = None
+) -> dict:
     """Simulate one case.
 
     Parameters
@@ -67,6 +69,8 @@ def run_case(row: Mapping, setup: Mapping) -> dict:
         Row of a table of cases.
     setup : mapping
         Plain values of the `Setup`.
+    progress : callable, optional
+        Called with the simulated time, s.
 
     Returns
     -------
@@ -85,14 +89,15 @@ def run_case(row: Mapping, setup: Mapping) -> dict:
         return _without_result(row, f"rejected: {row['rejected']}")
     from abradem.dem import simulate
 
+    watched = {} if progress is None else {"progress": progress}
     try:
-        result = simulate(Case.from_row(row), Setup.from_dict(setup))
+        result = simulate(Case.from_row(row), Setup.from_dict(setup), **watched)
     except ValueError as error:
         # The engine refuses a case that it cannot integrate; the other cases continue.
         return _without_result(row, f"refused: {error}")
     except ArithmeticError as error:
         return _without_result(row, f"failed: {type(error).__name__}: {error}")
-    return _tables(row, result)
+    return result_tables(row, result)
 
 
 def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str = "") -> None:
@@ -226,8 +231,15 @@ def _drop_others(folder: Path, keys: list[str]) -> None:
             path.unlink()
 
 
-def _tables(row: Mapping, result) -> dict:
-    """Return the tables of one simulated case."""
+def result_tables(row: Mapping, result: SimulationResult) -> dict:
+    """Return the tables of one simulated case, a DataFrame for each name in `TABLES`.
+
+    Parameters
+    ----------
+    row : mapping
+        Has case_id, block and seed.
+    result : SimulationResult
+    """
     import numpy as np
     import pandas as pd
 

@@ -286,6 +286,27 @@ SNAPSHOTS = {
 """Tables of `abradem.simulation.snapshots`."""
 
 
+MAP_RATES = {
+    "x": Column("mm", "centre of the facet along the slope, from the centre of the plate"),
+    "z": Column("mm", "centre of the facet across the slope, from the centre of the plate"),
+    **{
+        f"depth_rate_{measure}": Column(
+            "mm/s", f"wear depth rate of the facet in the window ({MEASURE_WORDS[measure]})"
+        )
+        for measure in WEAR_MEASURES
+    },
+}
+"""Map of a case of one's own, `abradem.cli.case_files`."""
+
+
+PREDICTED = {
+    "wear_depth_rate": Column("mm/s", "wear depth rate that the surrogate predicts"),
+    "wear_depth_rate_lower": Column("mm/s", "lower end of its interval"),
+    "wear_depth_rate_upper": Column("mm/s", "upper end of its interval"),
+}
+"""Predictions of a sweep, `abradem.cases.sweep`."""
+
+
 ANGLES = {
     "varied": Column("1", "quantity that is varied", "string"),
     "angle": Column("deg", "value of the quantity that is varied"),

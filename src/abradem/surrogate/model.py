@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abradem.dataset.variation import SAME, held_fixed, scales_of
-from abradem.quantities import SAMPLED, SAMPLED_NAMES, quantity
+from abradem.quantities import SAMPLED, SAMPLED_NAMES, impossible, quantity
 from abradem.store.checksums import damage, remedy
 from abradem.store.errors import TableError
 from abradem.store.files import read_arrays, read_json
@@ -364,13 +364,8 @@ def _columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
         wrong = ~((column >= low) & (column <= high))
         if wrong.any():
             place = int(np.argmax(wrong))
-            unit = "" if row.unit == "1" else f" {row.unit}"
             where = "" if len(column) == 1 else f" in row {place + 1}"
-            sense = "; down is negative" if row.name == "particle_velocity_y" else ""
-            problems.append(
-                f"{row.name} = {column[place]:g}{unit}{where} is impossible "
-                f"(allowed {low:g} ... {high:g}{unit}{sense})"
-            )
+            problems.append(str(impossible(row.name, float(column[place]), where)))
         columns[row.name] = column
     if problems:
         raise PredictionError("\n".join(problems))

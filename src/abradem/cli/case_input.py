@@ -1,0 +1,233 @@
+"""What `abradem simulate` and `abradem sweep` take: quantities, preset, set-up, duration, seed."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from abradem.cli.arguments import InputError
+from abradem.cli.given_values import Given, value_text
+from abradem.config.materials import PARTICLE_MATERIALS
+from abradem.quantities import SAMPLED_NAMES
+from abradem.units import parse_quantity
+from abradem.words.wear import WearTarget
+
+if TYPE_CHECKING:
+    from abradem.config import Config
+
+LARGEST_SEED = 2**63 - 1
+
+
+class OwnSetup(NamedTuple):
+    """Set-up of a case of one's own.
+
+    Attributes
+    ----------
+    config : Config
+    origin : str
+        Where the configuration is from, in words.
+    setup : dict
+        Plain values of a `abradem.Setup`.
+    seed : int
+    """
+
+    config: Config
+    origin: str
+    setup: dict
+    seed: int
+
+
+def add_case_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that describe a case and its set-up."""
+    parser.add_argument(
+        "--material",
+        metavar="NAME",
+        help="preset for the quantities that are not given, on a steel plate: "
+        + ", ".join(sorted(PARTICLE_MATERIALS)),
+    )
+    parser.add_argument(
+        "--config",
+        action="append",
+        type=Path,
+        metavar="FILE",
+        help="set-up and ranges; may be given several times, later files override earlier ones. "
+        "Default: ./config.yaml, and without it the default study",
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="another value for a key of docs/config.md, such as factory.mass_rate_kg_s=10; may "
+        "be given several times",
+    )
+    parser.add_argument(
+        "--duration",
+        metavar="VALUE",
+        help="simulated time, such as 5s; default: until the wear rate is accurate enough",
+    )
+    parser.add_argument(
+        "--seed",
+        type=int,
+        metavar="N",
+        help="of the random positions of the particles; default: that of the configuration",
+    )
+    parser.add_argument(
+        "--model",
+        metavar="STEM",
+        help="surrogate files without suffix; default: results/<study>/models/surrogate, if it "
+        "exists",
+    )
+
+
+def read_setup(options: argparse.Namespace, problems: list[str]) -> OwnSetup | None:
+    """Return the set-up that the options describe, or None; problems are added, a line each."""
+    from abradem.config import ConfigError, load_config, read_config, setup_dict
+
+    duration = _duration(options.duration, problems)
+    if options.seed is not None and not 0 <= options.seed <= LARGEST_SEED:
+        problems.append(f"--seed {options.seed}: is outside 0 ... {LARGEST_SEED}")
+    files = options.config or [path for path in [Path("config.yaml")] if path.is_file()]
+    known = load_config({"study": "default"}).model_dump(mode="json")
+    entries = [] if files else ["study=default"]
+    for text in options.set:
+        try:
+            entries.append(_entry(text, known))
+        except InputError as error:
+            problems.append(str(error))
+    try:
+        config = read_config(*files, command_line=entries)
+    except ConfigError as error:
+        problems += error.problems
+        return None
+    setup = setup_dict(config)
+    if duration is not None:
+        setup["duration"] = duration
+    names = " ".join(str(path) for path in files)
+    origin = names or "the default study"
+    return OwnSetup(config, origin, setup, config.seed if options.seed is None else options.seed)
+
+
+def _duration(text: str | None, problems: list[str]) -> float | None:
+    if text is None:
+        return None
+    try:
+        duration = parse_quantity(text, "s")
+        if duration > 0.0:
+            return duration
+        problems.append(f"--duration {text}: must be positive")
+    except ValueError as error:
+        problems.append(f"--duration {text}: {error}")
+    return None
+
+
+def _entry(text: str, known: Mapping) -> str:
+    """Return KEY=VALUE as an entry for `read_config`: the section, and the rest as YAML.
+
+    The sections above a key may be left out, so that factory.mass_rate_kg_s is
+    simulation.factory.mass_rate_kg_s.
+    """
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (equals and name and value):
+        raise InputError(f"--set {text}: is not of the form KEY=VALUE")
+    keys = list(_paths(known))
+    found = [key for key in keys if key == name] or [
+        key for key in keys if key.endswith(f".{name}")
+    ]
+    if len(found) > 1:
+        found = [key for key in found if key.startswith("simulation.")] or found
+    if len(found) > 1:
+        raise InputError(f"--set {text}: may mean {' or '.join(found)}; give more of the name")
+    whole = found[0] if found else name
+    if not found and name.partition(".")[0] not in known:
+        whole = f"simulation.{name}"
+    first, *rest = whole.split(".")
+    if not rest:
+        return f"{first}={value}"
+    value = " ".join(value.split())
+    lines = [f"{' ' * depth}{key}:" for depth, key in enumerate(rest)]
+    return f"{first}=" + "\n".join(lines) + f" {value}\n"
+
+
+def _paths(values: Mapping, above: str = "") -> Iterable[str]:
+    for name, value in values.items():
+        yield f"{above}{name}"
+        if isinstance(value, Mapping):
+            yield from _paths(value, f"{above}{name}.")
+
+
+def headline(config: Config) -> WearTarget:
+    """Return the wear rate that the models of a configuration explain."""
+    from abradem.config import target_dict
+
+    return WearTarget(**target_dict(config))
+
+
+def middle_of_ranges(own: OwnSetup, given: Iterable[str]) -> dict[str, float]:
+    """Return the quantities that are not given: the middle of the ranges of the study."""
+    from abradem.config import sampled_ranges
+
+    given = set(given)
+    ranges = sampled_ranges(own.config)
+    return {
+        name: (ranges[name][0] + ranges[name][1]) / 2.0
+        for name in SAMPLED_NAMES
+        if name not in given
+    }
+
+
+def say_origins(given: Given, own: OwnSetup, filled: Mapping[str, float]) -> None:
+    """Print where the quantities that are not on the command line come from."""
+    presets = [
+        (value_text(name, given.values[name]), origin)
+        for name, origin in sorted(given.origins.items())
+        if origin in PARTICLE_MATERIALS
+    ]
+    if presets:
+        values = ", ".join(text for text, _ in presets)
+        print(f"from the preset {presets[0][1]}: {values}", file=sys.stderr)
+    if filled:
+        values = ", ".join(value_text(name, value) for name, value in sorted(filled.items()))
+        print(f"not given, middle of the ranges of {own.origin}: {values}", file=sys.stderr)
+
+
+def load_kernels(stepping: str) -> None:
+    """Load the kernels of the engine; say so if they have to be compiled first."""
+    from abradem.dem import warm
+
+    begin = time.monotonic()
+    compiles = not warm.is_compiled(stepping)
+    if compiles:
+        print(
+            "compiling the engine, once for this version of it: half a minute or more",
+            file=sys.stderr,
+            flush=True,
+        )
+    warm.load(stepping)
+    if compiles:
+        print(f"compiled in {time.monotonic() - begin:.0f} s", file=sys.stderr)
+
+
+def progress_line(setup: Mapping) -> tuple[Callable[[float], None] | None, Callable[[], None]]:
+    """Return what shows the simulated time on a terminal, or None, and what clears the line."""
+    from abradem.running.job_log import CLEAR
+
+    if not sys.stderr.isatty():
+        return None, lambda: None
+    duration = setup.get("duration")
+    end = f"of {duration:g} s" if duration else f"s, at most {setup['max_time']:g} s"
+    shown = [0.0]
+
+    def progress(simulated: float) -> None:
+        if time.monotonic() - shown[0] > 0.2:
+            shown[0] = time.monotonic()
+            print(f"{CLEAR}simulated {simulated:.2f} {end}", end="", file=sys.stderr, flush=True)
+
+    def clear() -> None:
+        print(CLEAR, end="", file=sys.stderr, flush=True)
+
+    return progress, clear

@@ -1,0 +1,67 @@
+"""The answer of a surrogate beside that of a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from abradem.cli.case_input import OwnSetup, headline
+from abradem.cli.predict import level_text, place_words, warn
+from abradem.learning.number_text import number_or_words
+from abradem.quantities import WEAR_COLUMNS, stderr_column
+from abradem.surrogate.groups import jet_of
+from abradem.surrogate.model import Surrogate
+
+
+class SurrogateBeside:
+    """A surrogate, and the set-up of the simulation that it is compared with."""
+
+    def __init__(self, surrogate: Surrogate, stem: str, own: OwnSetup):
+        self.surrogate, self.stem = surrogate, stem
+        ours, theirs = jet_of(own.setup)._asdict(), surrogate.jet._asdict()
+        target = surrogate.description["target"]
+        of_elements = target["name"] in WEAR_COLUMNS and not target["name"].endswith("_mean")
+        if of_elements:
+            ours["element_size"] = headline(own.config).element_size
+            theirs["element_size"] = target.get("element_size", ours["element_size"])
+        self.differences = [
+            f"{name} {theirs[name]} instead of {ours[name]}"
+            for name in ours
+            if ours[name] != theirs[name]
+        ]
+
+    def say(self, values: Mapping[str, float], rates) -> None:
+        """Print the prediction for a case beside its simulated rates, in one line."""
+        prediction = self.surrogate.predict(values)
+        warn(prediction.warnings)
+        if self.differences:
+            warn([f"the surrogate was trained with another set-up: {', '.join(self.differences)}"])
+        target = self.surrogate.description["target"]
+        name, unit = target["name"], target["unit"]
+        place = place_words(self.surrogate)
+        rate, low, high = (float(column[0]) for column in prediction[:3])
+        line = (
+            f"surrogate {self.stem}: {rate:.4g} {unit}, "
+            f"{level_text(prediction, self.surrogate)} interval {low:.4g} to "
+            f"{number_or_words(high, '.4g', 'any number of')} {unit} ({name}: {place})"
+        )
+        if name in rates:
+            line += (
+                f"; simulated {rates[name]:.4g} {unit}, standard error "
+                f"{rates[stderr_column(name)]:.2g} {unit}"
+            )
+        print(line)
+
+
+def surrogate_beside(model: str | None, own: OwnSetup) -> SurrogateBeside | None:
+    """Return the surrogate that is given, or that of the study if it exists, or None.
+
+    Raises
+    ------
+    PredictionError
+        If a surrogate cannot be read.
+    """
+    stem = model or f"results/{own.config.study}/models/surrogate"
+    if model is None and not Path(f"{stem}.json").is_file():
+        return None
+    return SurrogateBeside(Surrogate.load(stem), stem, own)
