@@ -68,6 +68,8 @@ def findings(
         ("Learning curve", _curve(curve)),
         ("Extrapolation", _extrapolation(extrapolation, fixed)),
     ]
+    if physical["repeated"]["rows"]:
+        found.insert(0, ("Repeated rows", _repeated(physical["rows"], physical["repeated"])))
     if fixed:
         found.insert(0, ("Held fixed", _held_fixed(fixed)))
     found.append(("Sensitivity", _sensitivity(sensitivity, indices, falls)))
@@ -87,6 +89,19 @@ def to_html(title: str, paragraphs: list[tuple[str, str]]) -> str:
         "<style>body{font-family:sans-serif;max-width:46em;margin:2em auto;line-height:1.5}"
         "</style></head>\n"
         f"<body>\n<h1>{for_html(title)}</h1>\n{body}\n</body>\n</html>\n"
+    )
+
+
+def _repeated(rows: int, repeated: Mapping) -> str:
+    """The rows that repeat others, counted and named."""
+    named = "; ".join(", ".join(map(str, cases)) for cases in repeated["cases"])
+    more = repeated["groups"] - len(repeated["cases"])
+    others = f"; and {more} more" if more else ""
+    return (
+        f"{repeated['rows']} of {rows} rows repeat one another, exactly or nearly, in "
+        f"{repeated['groups']} groups (case numbers: {named}{others}). Every split and every fold "
+        "of the leakage-free protocol keeps a group on one side. The split as published divides "
+        "groups, so scores as published count what was learned by heart."
     )
 
 

@@ -77,7 +77,7 @@ def test_every_model_learns_a_smooth_law(given):
 
 def test_no_model_sees_the_test_rows(given):
     # If a test row were used, changing its target would change its prediction.
-    _, test = next(repeated_splits(given.table.keys, 0.2, 1, 1))
+    _, test = next(repeated_splits(given.table.keys, given.table.groups, 0.2, 1, 1))
     spoiled = given.log_number.copy()
     spoiled[test] += 5.0
     models = makers(1, **HASTY)
@@ -291,7 +291,7 @@ def test_half_of_the_studys_table_is_predicted_in_cross_validation():
     found = []
     for seed in range(10):
         predicted = np.empty(len(given.log_number))
-        for train, test in folds(len(predicted), 5, seed):
+        for train, test in folds(given.table.groups, 5, seed):
             model = makers(1)[PROCESS]().fit(
                 given.groups[train], given.log_number[train], given.error[train]
             )

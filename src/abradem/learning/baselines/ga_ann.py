@@ -39,7 +39,8 @@ from abradem.learning.protocols import (
     AS_PUBLISHED,
     LEAKAGE_FREE,
     PUBLISHED_NETWORK_SHARE,
-    held_out,
+    VALIDATION,
+    divide,
     published_split,
     repeated_splits,
 )
@@ -137,9 +138,8 @@ def leakage_free_split(
         Penalties for the choice of features, see `abradem.learning.baselines.selection`.
     """
     x, y = table.features, table.target
-    shuffled = np.random.default_rng(seed).permutation(train)
-    checked = held_out(len(train), validation_share)
-    fit, look = np.sort(shuffled[checked:]), np.sort(shuffled[:checked])
+    kept, checked = divide(table.groups[train], validation_share, np.random.default_rng(seed))
+    fit, look = train[kept], train[checked]
     columns, _ = select(x[fit], y[fit], count, lasso_alpha, ridge_alpha)
     return Split(
         fit,
@@ -236,8 +236,10 @@ def fit_networks(
         choice = validation_share, features
         penalties = lasso_alpha, ridge_alpha
         splits = [
-            leakage_free_split(table, *rows, *choice, [seed, repeat, 1], *penalties)
-            for repeat, rows in enumerate(repeated_splits(table.keys, test_share, searches, seed))
+            leakage_free_split(table, *rows, *choice, [seed, repeat, VALIDATION], *penalties)
+            for repeat, rows in enumerate(
+                repeated_splits(table.keys, table.groups, test_share, searches, seed)
+            )
         ]
     histories, found, counted = [], [], []
     for repeat, split in enumerate(splits):

@@ -146,11 +146,13 @@ def curve_of(x: np.ndarray, y: np.ndarray, rows: np.ndarray, actual: np.ndarray)
     return np.array([r2(actual, regress(x, y, count)(rows)) for count in range(1, most + 1)])
 
 
-def choose_components(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) -> int:
+def choose_components(
+    x: np.ndarray, y: np.ndarray, groups: np.ndarray, fold_count: int, seed: int
+) -> int:
     """Number of components with the best mean R2 over the folds."""
     curves = [
         curve_of(x[train], y[train], x[check], y[check])
-        for train, check in folds(len(y), fold_count, seed)
+        for train, check in folds(groups, fold_count, seed)
     ]
     shortest = max(1, min(map(len, curves)))
     if not all(map(len, curves)):
@@ -193,12 +195,12 @@ def fit_pca(
 
     counts = []
 
-    def fit_leakage_free(features, target):
-        counts.append(choose_components(features, target, fold_count, seed))
+    def fit_leakage_free(features, target, groups):
+        counts.append(choose_components(features, target, groups, fold_count, seed))
         return regress(features, target, counts[-1])
 
     evaluate_leakage_free(results, MODEL, fit_leakage_free, test_share, repeats, seed)
-    count = choose_components(x, y, fold_count, seed)
+    count = choose_components(x, y, table.groups, fold_count, seed)
     loadings = pd.concat(
         [
             _loadings(AS_PUBLISHED, published, scaled[0], names),
@@ -290,7 +292,7 @@ def _leakage_free_curve(
     x, y = table.features, table.target
     curves = [
         curve_of(x[train], y[train], x[test], y[test])
-        for train, test in repeated_splits(table.keys, test_share, repeats, seed)
+        for train, test in repeated_splits(table.keys, table.groups, test_share, repeats, seed)
     ]
     # The rows of a split may leave fewer components than those of another.
     shortest = min(map(len, curves))

@@ -126,7 +126,7 @@ def evaluate_surrogate(
     """Score distilled networks on the test rows of the first ``repeats`` splits."""
     results = Results(given.table)
     make = makers(seed)[PROCESS]
-    splits = repeated_splits(given.table.keys, test_share, repeats, seed)
+    splits = repeated_splits(given.table.keys, given.table.groups, test_share, repeats, seed)
     for repeat, (rows, test) in enumerate(splits):
         process = fitted(make, given, rows)
         arrays, _ = distil(process, given._replace(inputs=given.inputs[rows]), settings, seed)
