@@ -95,7 +95,7 @@ def learned(table, folder):
         with mock.patch.object(networks, "NETWORK", (6, 5)):
             one = networks.fit_networks(
                 learning_table(table, TARGET, NAME, 8), protocol, options, QUICK, QUICK,
-                retrainings=2, seed=1,
+                retrainings=2, repeats=3, seed=1,
             )  # fmt: skip
         found[f"ga_ann_{protocol}"] = {
             "history": one.history, "scores": one.results.scores,

@@ -39,7 +39,7 @@ class Learned:
         options = Options(population=4, generations=3, max_neurons=20)
         quick = Training(2, 16)
         self.networks = {
-            protocol: fit_networks(table, protocol, options, quick, quick, retrainings=3)
+            protocol: fit_networks(table, protocol, options, quick, quick, retrainings=3, repeats=3)
             for protocol in ("as_published", "leakage_free")
         }
         stages = [

@@ -2,8 +2,8 @@
 
 Two kinds of intervals are computed. Over repeated splits, the central share of the scores shows
 how much the score depends on the split. On a single split, a percentile bootstrap of the test
-rows shows how much the score depends on those rows. Every model has the second kind, on the same
-rows; models that are cheap to train also have the first.
+rows shows how much the score depends on those rows. Under the leakage-free protocol all models
+have both, on the same splits; as published there is one split.
 """
 
 from __future__ import annotations

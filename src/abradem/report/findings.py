@@ -110,7 +110,7 @@ def _comparison(physical: Mapping, surrogate: Mapping, noise: Mapping | None) ->
     names = {**NAMES, "surrogate": "surrogate distilled from the Gaussian process"}
     listed = "; ".join(f"{names[name]} {_score(scores[name]['test']['R2'])}" for name in names)
     text = (
-        "R2 on held-out cases, median over the splits (surrogate: over the first splits) and "
+        "R2 on held-out cases, median over the splits, which are the same for all models, and "
         f"central share of the splits: {listed}."
     )
     if not any(is_number(scores[name]["test"]["R2"]["median"]) for name in names):
