@@ -30,8 +30,6 @@ def crowd_after(study: Path, case: int, seconds: float) -> Engine:
     outcome = engine.advance(round(seconds / problem.dt))
     if outcome != DONE:
         raise SystemExit(f"case {case} ended before {seconds:g} s: {outcome}")
-    if engine.agenda is not None and not engine.agenda.clock["crowded"][0]:
-        raise SystemExit(f"case {case} is not a crowd after {seconds:g} s")
     return engine
 
 

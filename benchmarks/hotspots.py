@@ -178,7 +178,7 @@ def print_shares(found) -> None:
 def main() -> None:
     """Start a process with an engine that has line numbers, and profile it."""
     parser = argparse.ArgumentParser(description="profile of a scenario by function and by line")
-    parser.add_argument("scenario", help="one of A, M, B, D")
+    parser.add_argument("scenario", help="one of A, M, B, D, E, F")
     parser.add_argument("--seconds", type=float, help="duration instead of that of the scenario, s")
     parser.add_argument("--stepping", default="islands", help="islands or synchronous")
     chosen = parser.parse_args()

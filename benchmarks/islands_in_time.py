@@ -21,8 +21,8 @@ from abradem.dem.simulation import Engine
 from abradem.dem.state import make_problem
 from abradem.figures import speed as figures
 
-ASLEEP, AWAKE, PLATE, PARTICLE, ABSENT = range(5)
-NAMES = ("asleep", "awake", "plate", "particle")
+ASLEEP, PLATE, PARTICLE, ABSENT = range(4)
+NAMES = ("asleep", "plate", "particle")
 
 
 def watched(case, setup):
@@ -43,7 +43,7 @@ def watched(case, setup):
         engine.advance(step, None, None)
         state, live = engine.state, int(engine.state.tally["live"][0])
         particles = state.particles[:live]
-        now = np.where(engine.agenda.asleep[:live], ASLEEP, AWAKE)
+        now = np.full(live, ASLEEP)
         now[particles["plate_stiffness"] != 0.0] = PLATE
         touching = set()
         for pair in state.pairs[: int(state.tally["pairs"][0])]:

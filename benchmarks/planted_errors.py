@@ -79,6 +79,10 @@ ERRORS = (
           "    if slips:\n        stretched = plus(force, law.ct * q, vt)\n"
           "        stretched2 = dot(stretched, stretched)\n",
           IMPACTS, "test_total_at_30_degrees_tells_the_laws_apart"),
+    Error("all motion counts as slip once the limit is active", "contact.py",
+          "slip_share(stretched, damping, cap2 - stretched2) if slips else 0.0",
+          "1.0 if slips else 0.0", IMPACTS,
+          "test_sliding_does_not_jump_where_an_impact_begins_to_slip"),
     Error("cross product turned round", "vectors.py", "fma(a[1], b[2], -(a[2] * b[1]))",
           "fma(a[2], b[1], -(a[1] * b[2]))", "tests/dem/test_vectors.py",
           "test_vectors_are_those_of_numpy"),

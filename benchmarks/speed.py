@@ -1,4 +1,4 @@
-"""Cost of jets with this engine and with others: python benchmarks/speed.py [A M B D].
+"""Cost of jets with this engine and with others: python benchmarks/speed.py [A M B D E F].
 
 Prints `scenario, seconds of this engine, other, its seconds, ratio` for LIGGGHTS and LAMMPS, if
 they are installed (benchmarks/README.md), and for the conventional stepping of this engine, which
@@ -40,6 +40,17 @@ WIDE = {
     "mass_rate": None,
     "number_rate": 500.0,
     "duration": 2.0,
+    "time_step_fraction": 0.2,
+}
+
+CROWD = {
+    "plate_length": 0.3,
+    "plate_width": 0.3,
+    "patch_length": 0.3,
+    "patch_width": 0.3,
+    "fall_height": 0.25,
+    "mass_rate": 42.0,
+    "duration": 1.0,
     "time_step_fraction": 0.2,
 }
 
@@ -104,6 +115,14 @@ SCENARIOS = {
         1.0,
         rounds=1,
     ),
+    "E": Scenario(
+        particle(0.01, 35.0),
+        Setup(**CROWD),
+        "crowded jet, 35 degrees, 42 kg/s",
+        10.0,
+        0.5,
+    ),
+    "F": Scenario(particle(0.01, 10.0), Setup(**CROWD), "the same, 10 degrees", 5.0, 0.5),
 }
 
 BUSY = 0.9
@@ -218,7 +237,7 @@ def compare(name: str, seconds: float | None, rounds: int | None, clock: str, ot
 def main() -> None:
     """Print the lines of all scenarios."""
     parser = argparse.ArgumentParser(description="compare the speed of this engine with others")
-    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="some of A, M, B, D")
+    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="some of A, M, B, D, E, F")
     parser.add_argument("--seconds", type=float, help="duration instead of that of the scenario, s")
     parser.add_argument("--rounds", type=int, help="number of timings of each other code")
     parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")

@@ -16,7 +16,7 @@ import pandas as pd
 from abradem.config import Config, read_config
 from abradem.store.tables import read_table
 
-STORED = ("series", "maps", "runs", "wear_rates")
+STORED = ("series", "maps", "parts", "runs", "wear_rates")
 
 
 class Study(NamedTuple):
@@ -107,7 +107,7 @@ def main() -> None:
         f"{100 * (jobs['s'].sum() / seconds.sum() - 1):.1f} % more than their cases took"
     )
     print(f"memory of a job: at most {jobs['max_rss'].max():.0f} MB")
-    print(f"series, maps, runs, rates and cases: {stored / len(runs) / 1e3:.0f} kB a case")
+    print(f"series, maps, parts, runs, rates and cases: {stored / len(runs) / 1e3:.0f} kB a case")
     if (folder / "dataset.parquet").exists():
         print(f"data set: {size([folder / 'dataset.parquet']) / 1e6:.2f} MB")
     print(f"folder: {len(files)} files, {size(files) / 1e6:.0f} MB")

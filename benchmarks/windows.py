@@ -23,8 +23,9 @@ import yaml
 from abradem.config import load_config, setup_dict
 from abradem.dem import simulate
 from abradem.dem.model import Case, Setup
-from abradem.dem.simulation import CHECK_GROWTH, MAPS_PER_WINDOW, SteadyPart
 from abradem.dem.steady import batch_means
+from abradem.dem.stop import StopRule
+from abradem.elastic import sphere_mass
 from abradem.store.tables import read_table
 
 SHORTER = (1.0, 2.0, 3.0)
@@ -33,45 +34,43 @@ FLAT, SMALL = 12.0, 0.012
 """Plate angle, deg, and radius, m, below which beds form."""
 
 
-def stopped_rate(time, worn, present, window: float, target: float):
+def stopped_rate(time, worn, present, setup, release_interval: float):
     """Return the rate, its relative standard error and the time at which the stop rule ends.
 
     All are nan if the record is too short for the rule to end.
     """
     if len(time) < 2:
         return math.nan, math.nan, math.nan
-    interval = time[1] - time[0]
-    map_samples = max(1, round(window / MAPS_PER_WINDOW / interval))
-    maps_in_window = max(1, round(window / (map_samples * interval)))
-    map_interval = map_samples * interval
-    look = np.searchsorted(time, window)
-    for k in range(1, len(time)):
-        if k < look:
-            continue
-        look = np.searchsorted(time, time[k] * CHECK_GROWTH)
-        past = slice(k + 1)
-        steady = SteadyPart(time[past], worn[past], present[past], maps_in_window, map_interval)
-        if not steady.settled:
-            look = min(look, k + map_samples)
-        elif not steady.complete(k // map_samples + 1):
-            look = min(look, steady.last_map * map_samples)
-        elif steady.relative_stderr <= target:
-            return steady.rate, steady.relative_stderr, time[k]
+    rule = StopRule(setup, time[1] - time[0], release_interval)
+    while rule.next_look < len(time):
+        past = slice(rule.next_look + 1)
+        if rule.ends(time[past], worn[past], present[past]):
+            steady = rule.steady(time[past], worn[past], present[past])
+            return steady.rate, steady.relative_stderr, time[past][-1]
     return math.nan, math.nan, math.nan
+
+
+def release_interval(cases, setup):
+    """Return the time between two releases, s, of a case or of a table of cases."""
+    if setup.number_rate is not None:
+        return 1.0 / setup.number_rate + 0.0 * cases["particle_radius"]
+    return sphere_mass(cases["particle_radius"], cases["particle_density"]) / setup.mass_rate
 
 
 def replayed(folder: Path, setup) -> pd.DataFrame:
     """Return relative changes of the rates of all cases of a study with shorter windows."""
     cases = read_table(folder / "cases.parquet").set_index("case_id")
+    intervals = release_interval(cases, setup)
     rows = []
     for path in sorted((folder / "series").glob("*.parquet")):
         columns = ("time", "worn_total", "particles_present")
         for case_id, record in read_table(path, ("case_id", *columns)).groupby("case_id"):
             arrays = [record[column].to_numpy() for column in columns]
-            rate = stopped_rate(*arrays, setup.window, setup.target_stderr)[0]
+            interval = intervals[case_id]
+            rate = stopped_rate(*arrays, setup, interval)[0]
             row = {"case_id": case_id}
             for window in SHORTER:
-                shorter = stopped_rate(*arrays, window, setup.target_stderr)[0]
+                shorter = stopped_rate(*arrays, replace(setup, window=window), interval)[0]
                 row[window] = shorter / rate - 1.0
             rows.append(row)
     return pd.DataFrame(rows).set_index("case_id").join(cases)
@@ -86,7 +85,7 @@ def beds(folder: Path, setup, number: int) -> None:
         result = simulate(Case.from_row(row), replace(setup, duration=LONG))
         time, worn = result.time, result.worn[:, 0]
         rate, stderr, end = stopped_rate(
-            time, worn, result.present, setup.window, setup.target_stderr
+            time, worn, result.present, setup, release_interval(row, setup)
         )
         late = batch_means(time, worn, LONG / 2.0)
         off.append(100.0 * (rate / late.rate - 1.0))

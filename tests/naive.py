@@ -28,7 +28,7 @@ class Contact:
         self.normal = 0.0
         self.tangential = np.zeros(3)
         self.stored = 0.0
-        self.slips = False
+        self.slip = 0.0
 
 
 class Spheres:
@@ -108,7 +108,7 @@ class Spheres:
         work_old, work = -old.tangential @ slide * p.dt, -new.tangential @ slide * p.dt
         self.worn[0] += 0.5 * (old.normal + new.normal) * distance
         self.worn[1] += 0.5 * (
-            (max(work_old, 0.0) if old.slips else 0.0) + (max(work, 0.0) if new.slips else 0.0)
+            old.slip * max(work_old, 0.0) + new.slip * max(work, 0.0)
         ) / mu  # fmt: skip
         self.worn[2] += (0.5 * (work_old + work) - (new.stored - old.stored)) / mu
 
@@ -159,14 +159,31 @@ class Spheres:
             turned *= min(1.0, new.stiffness / old.stiffness)
             spring = turned - 0.5 * (old.stiffness + new.stiffness) * du
         cap = law.static_friction * new.normal
-        trial = spring - law.ct * overlap**0.25 * across_part(full, n)
+        damping = -law.ct * overlap**0.25 * across_part(full, n)
+        trial = spring + damping
         size = np.linalg.norm(trial)
-        new.slips = size > cap
-        new.tangential = trial * (cap / size) if new.slips else trial
+        new.tangential = trial * (cap / size) if size > cap else trial
         stretch = np.linalg.norm(spring)
         new.spring = spring * (cap / stretch) if stretch > cap else spring
+        if size > cap:
+            new.slip = 1.0 - damper_share(new.spring, damping, cap)
         new.stored = new.spring @ new.spring / (2.0 * new.stiffness)
         return new
+
+
+def damper_share(spring, damping, cap):
+    """Largest w in [0, 1] with |spring + w damping| <= cap, for |spring| <= cap: bisection.
+
+    The length is a convex function of w, so there is one such w.
+    """
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if np.linalg.norm(spring + middle * damping) <= cap * (1.0 + 1e-14):
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 def across_part(v, n):

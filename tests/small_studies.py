@@ -7,7 +7,7 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 
-from abradem.config import load_config
+from abradem.config import load_config, setup_dict
 from abradem.figures import comparison as of_comparison
 from abradem.figures import (
     distributions,
@@ -30,6 +30,7 @@ from abradem.learning.baselines.penalised import train as train_penalised
 from abradem.learning.baselines.selection import train as train_selection
 from abradem.learning.baselines.trees import train as train_trees
 from abradem.learning.comparison import beside_paper, compare, join_tables
+from abradem.learning.exponents import exponents_beside_published
 from abradem.learning.network import Training
 from abradem.learning.physical import distil
 from abradem.learning.physical.intervals import calibrate
@@ -151,10 +152,11 @@ def learned(table, folder):
 def texts_of(table, found):
     """Findings, LaTeX, tables of the report and its summary, by name."""
     sensitivity_found, scored = found["sensitivity"], found["scores"]
+    exponents = exponents_beside_published(table, TARGET, setup_dict(load_config({"study": NAME})))
     paragraphs = findings(
         found["physical"].summary, found["intervals"].summary, found["surrogate"].summary,
         sensitivity_found.summary, found["reach"].curve, found["reach"].extrapolation,
-        sensitivity_found.indices, sensitivity_found.falls,
+        sensitivity_found.indices, sensitivity_found.falls, exponents=exponents,
     )  # fmt: skip
     summary = study_summary(
         table, None, found["linear"].summary, scored.comparison, 0.95, "small.csv"
@@ -165,7 +167,8 @@ def texts_of(table, found):
         {
             latex.CONFIG: config, latex.DATASET: table, latex.SUMMARY: summary,
             latex.COMPARISON: scored.comparison, latex.BESIDE: scored.beside_paper,
-            latex.SCORES: scored.scores, latex.SELECTION: found["selection"].selection,
+            latex.EXPONENTS: exponents, latex.SCORES: scored.scores,
+            latex.SELECTION: found["selection"].selection,
             **{file: found[f"ga_ann_{protocol}"].summary
                for protocol, file in latex.NETWORKS.items()},
         }
@@ -179,6 +182,7 @@ def texts_of(table, found):
         "comparison": scored.comparison,
         "beside_paper": scored.beside_paper,
         "power_law": found["physical"].exponents,
+        "exponents": exponents,
         "targets": found["reach"].targets,
         "extrapolation": found["reach"].extrapolation,
         "sobol": sensitivity_found.indices,
@@ -190,6 +194,7 @@ def texts_of(table, found):
         "numbers": latex.numbers_tex(latex.study_numbers(cited), NAME),
         "quantities": latex.quantities_tex(cited, NAME),
         "features": latex.features_tex(cited, NAME),
+        "exponents_tex": latex.exponents_tex(cited, NAME),
         "models": latex.models_tex(cited, MODELS, NAME),
         "equation": found["linear"].summary["equation"],
         "notes": " ".join(found["linear"].summary["notes"]),

@@ -8,7 +8,7 @@ reproduces.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 GRAVITY = 9.81
 """Gravitational acceleration, m/s2; it acts along -y."""
@@ -143,11 +143,37 @@ TARGET: Quantity = QUANTITIES[-1]
 FEATURE_NAMES: tuple[str, ...] = tuple(q.name for q in QUANTITIES[:-1])
 SAMPLED_NAMES: tuple[str, ...] = tuple(q.name for q in SAMPLED)
 
-_BY_NAME = {q.name: q for q in QUANTITIES}
+
+def wear_column(measure: str, statistic: str) -> str:
+    """Return the column name of the wear depth rate for a wear measure and a statistic."""
+    return f"wear_{measure}_{statistic}"
+
+
+WEAR_COLUMNS: tuple[str, ...] = tuple(
+    wear_column(measure, statistic) for measure in WEAR_MEASURES for statistic in STATISTICS
+)
+
+
+def wear_parts(column: str) -> tuple[str, str]:
+    """Return measure and statistic of a wear depth rate; raise KeyError for another column."""
+    if column not in WEAR_COLUMNS:
+        raise KeyError(f"{column!r} is no wear rate; known: {', '.join(WEAR_COLUMNS)}")
+    _, measure, statistic = column.split("_")
+    return measure, statistic
+
+
+# Every wear rate is the target X21 of the study that predicts it.
+_BY_NAME = {
+    **{q.name: q for q in QUANTITIES},
+    **{column: replace(TARGET, name=column) for column in WEAR_COLUMNS},
+}
 
 
 def quantity(name: str) -> Quantity:
-    """Return the row of the table with this name; raise KeyError with the known names if none."""
+    """Return the row of the table with this name; raise KeyError with the known names if none.
+
+    A wear rate has the row of the target X21.
+    """
     try:
         return _BY_NAME[name]
     except KeyError:
@@ -165,11 +191,9 @@ def check_value(name: str, value: float) -> str | None:
     return None
 
 
-def wear_column(measure: str, statistic: str) -> str:
-    """Return the column name of the wear depth rate for a wear measure and a statistic."""
-    return f"wear_{measure}_{statistic}"
+def stderr_column(rate: str) -> str:
+    """Return the column name of the standard error of a wear depth rate, given by its column."""
+    return f"{rate}_stderr"
 
 
-WEAR_COLUMNS: tuple[str, ...] = tuple(
-    wear_column(measure, statistic) for measure in WEAR_MEASURES for statistic in STATISTICS
-)
+STDERR_COLUMNS: tuple[str, ...] = tuple(map(stderr_column, WEAR_COLUMNS))

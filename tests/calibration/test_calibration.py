@@ -1,18 +1,21 @@
 """Calibration: planted set-ups come back, scores are those of their formulas, rows are fair."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
 from tables import drawn
 
-from abradem.calibration.agreement import SCORES, agreement, scored, wear_exponents
+from abradem.calibration.agreement import SCORES, agreement, scored
 from abradem.calibration.halving import best_readings, rungs, survivors
 from abradem.calibration.outcome import equally_good, outcome, profiles
 from abradem.calibration.rows import arranged_rows
 from abradem.calibration.space import draw, keys_of, unknowns
 from abradem.calibration.trials import run_trial
-from abradem.config import Config, setup_dict
+from abradem.config import Config, read_config, setup_dict
+from abradem.dataset.power_fit import wear_exponents
 
 RATE, ACTS = "simulation.factory.mass_rate_kg_s", "simulation.factory.angle_acts"
 SIDES = "simulation.factory.patch_length_mm, simulation.factory.patch_width_mm"
@@ -21,6 +24,14 @@ SPACE = {
     ACTS: ["tilt", "level"],
     SIDES: [100, 200],
 }
+
+
+ROOT = Path(__file__).parents[2]
+
+
+def dilute():
+    """The configuration of the dilute study, in which small tables cost little."""
+    return read_config(ROOT / "config.yaml", ROOT / "studies/dilute.yaml")
 
 
 # Search space
@@ -160,7 +171,7 @@ def test_the_noise_of_a_score_is_its_scatter_over_replicates():
 
 def test_exponents_of_a_planted_law_come_back():
     rows = drawn(80, seed=4)
-    setup = setup_dict(Config(study="a"))
+    setup = setup_dict(dilute())
     speed = rows["particle_velocity_y"] ** 2 + 2.0 * 9.81 * 0.25
     wear = (
         3.0 * rows["archard_constant"] * rows["particle_radius"] ** 0.87
@@ -217,7 +228,7 @@ def planted():
     rows["particle_velocity_y"] = np.linspace(-6.0, -3.0, 18)[np.argsort(rows["restitution"])]
 
     def setup_of(values):
-        config = Config(study="a").model_dump()
+        config = dilute().model_dump()
         for key, value in keys_of(values).items():
             *path, name = key.split(".")
             section = config

@@ -15,7 +15,7 @@ import pytest
 import abradem
 import abradem.dem
 from abradem.cli.main import main
-from abradem.config import read_config, sampled_ranges, setup_dict, to_yaml
+from abradem.config import load_config, read_config, sampled_ranges, setup_dict, to_yaml
 from abradem.dem.model import Case, Setup, SimulationResult
 from abradem.running.outputs import record_outputs
 from abradem.sampling.draw import block_cases
@@ -55,6 +55,7 @@ def simulated(monkeypatch):
         time = np.linspace(0.0, END, 176)
         per_facet = RATE * setup.window / np.prod(setup.facets)
         wear = np.full((3, *setup.facets), per_facet)
+        parts = np.full((10, 3, *setup.facets), per_facet / 10.0)
         numbers = {field.name: 0.1 for field in dataclasses.fields(SimulationResult)}
         return SimulationResult(
             **{
@@ -67,6 +68,7 @@ def simulated(monkeypatch):
                 "delivered_mass": 4.0 * time,
                 "present": np.full(time.size, 50),
                 "facet_wear": wear,
+                "facet_wear_parts": parts,
                 "facet_wear_all": wear,
                 "window": (STEADY_FROM, STEADY_FROM + setup.window),
                 "steady_from": STEADY_FROM,
@@ -93,7 +95,37 @@ def test_the_case_of_the_study_is_simulated(study, simulated, config, capsys):
     assert first == "case 7: ok, 3.5 s simulated"
     depth_rate = 1e3 * RATE * expected.archard_constant / 0.09
     assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
-    assert third.startswith("mean over the worn elements ") and "worst element" in third
+    assert third.startswith("mean over the plate ")
+    assert "worst 30 mm element " in third
+    assert third.count("(standard error 0) mm/s") == 3
+
+
+@pytest.mark.parametrize(
+    ("target", "said"),
+    [
+        ("wear_friction_p99", "friction, 99th percentile of 60 mm elements"),
+        ("wear_sliding_max", "sliding, worst 60 mm element"),
+        ("wear_friction_mean", "friction, mean over the plate"),
+    ],
+)
+def test_the_wear_rate_that_is_told_is_the_target_of_the_study(
+    study, simulated, config, capsys, target, said
+):
+    values = config.model_dump(mode="json")
+    values["learning"]["target"], values["wear_rate"]["element_size_mm"] = target, 60
+    (study / "config.yaml").write_text(to_yaml(load_config(values)))
+    assert main(["simulate", "--study", str(study), "--case", "7"]) == 0
+    _, second, third = capsys.readouterr().out.splitlines()
+    cases = read_table(study / "cases" / "block-001.parquet").set_index("case_id")
+    # The wear that is made up is the same on every facet.
+    depth_rate = 1e3 * RATE * cases.loc[7]["archard_constant"] / 0.09
+    assert second.startswith(f"wear depth rate {depth_rate:.6g} mm/s, standard error ")
+    assert f"({said}), quality " in second
+    places = ("mean over the plate", "mean over the worn 60 mm elements",
+              "mean over the footprint of 60 mm elements", "99th percentile of 60 mm elements",
+              "worst 60 mm element")  # fmt: skip
+    for place in places:
+        assert (place in third) != said.endswith(place)
 
 
 def test_series_is_written_with_its_units(study, simulated, tmp_path):

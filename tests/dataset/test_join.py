@@ -34,8 +34,10 @@ def sample_rates(keys):
     rates = pd.DataFrame({"case_id": list(keys)})
     for name in ds.WEAR_COLUMNS:
         rates[name] = 1e-3
+    for name in ds.STDERR_COLUMNS:
+        rates[name] = 1e-5
     return rates.assign(
-        wear_total_mean_stderr=1e-5, wear_r2=0.99, worn_volume_rate=1e-9, wear_per_kg=1e-10,
+        wear_r2=0.99, worn_volume_rate=1e-9, wear_per_kg=1e-10,
         quality="ok",
     )  # fmt: skip
 

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import beta as beta_function
 
 from abradem import single_impact
+from abradem.dem.contact import effective_moduli, slip_share
 from abradem.dem.damping import exact_beta, nominal_beta
 from abradem.dem.model import ContactModel, Interaction, Material, Setup
 from abradem.elastic import HERTZ_DURATION
@@ -205,6 +206,88 @@ def test_rolling_resistance_stops_at_standstill():
     assert scene.impact(SPEED, 60.0).spin[2] == 0.0
 
 
+# The slip of the wear measure sliding
+
+
+def just_slips_deg(scene):
+    """Angle from the normal at which spring and damper reach mu F_n at the first touch.
+
+    Both viscous forces begin as d^(1/4): tan = mu beta_n / beta_t sqrt(E* / (4 G*)).
+    """
+    e, mu = scene.interaction.restitution, scene.interaction.static_friction
+    young, shear = effective_moduli(scene.particle, scene.plate)
+    ratio = exact_beta(e) / nominal_beta(e) * math.sqrt(young / (4.0 * shear))
+    return math.degrees(math.atan(mu * ratio))
+
+
+def mean_sliding(scene, angle, steps, phases):
+    duration = 500.0 * scene.impact(SPEED, angle).time_step
+    return np.mean(
+        [
+            scene.impact(SPEED, angle, time_step=duration / steps, phase=phase).sliding
+            for phase in (np.arange(phases) + 0.5) / phases
+        ]
+    )
+
+
+def test_what_the_damper_takes_holds_the_limit_with_the_spring():
+    rng = np.random.default_rng(2)
+    shares = []
+    for _ in range(500):
+        spring, damping = rng.normal(size=(2, 3)) * [[1.0], [2.0]]
+        cap = np.linalg.norm(spring) * rng.choice([1.0, 1.0 + rng.exponential()])
+        if np.linalg.norm(spring + damping) <= cap:
+            continue
+        share = slip_share(tuple(spring), tuple(damping), max(cap**2 - spring @ spring, 0.0))
+        shares.append(share)
+        assert 0.0 <= share <= 1.0
+        held = np.linalg.norm(spring + (1.0 - share) * damping)
+        assert held == pytest.approx(cap, rel=1e-9)
+    assert len(shares) > 100
+    # Along one line: none at the limit of the trial force, all where the spring is at the limit.
+    for f, share in ((0.2, 0.0), (0.6, 0.5), (1.0, 1.0)):
+        assert slip_share((f, 0, 0), (0.8, 0, 0), 1.0 - f * f) == pytest.approx(share, abs=1e-12)
+    # A contact without a damper slips with its whole velocity.
+    assert slip_share((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0) == 1.0
+
+
+@pytest.mark.parametrize("tangential", ["incremental", "displacement"])
+@pytest.mark.parametrize("damping", ["capped", "none", "uncapped"])
+@pytest.mark.parametrize("e", [0.2, 0.5, 0.8])
+def test_sliding_converges_with_the_step_where_an_impact_just_slips(tangential, damping, e):
+    model = ContactModel(tangential=tangential, tangential_damping=damping)
+    scene = Scene(contact=model).with_interaction(restitution=e)
+    for away in (-2.0, -0.5, 0.0, 0.5, 2.0):
+        angle = just_slips_deg(scene) + away
+        total = scene.impact(SPEED, angle).total
+        converged = mean_sliding(scene, angle, 4000, 1)
+        assert mean_sliding(scene, angle, 150, 4) == pytest.approx(converged, abs=0.005 * total)
+        assert mean_sliding(scene, angle, 21, 16) == pytest.approx(converged, abs=0.03 * total)
+
+
+@pytest.mark.parametrize("tangential", ["incremental", "displacement"])
+@pytest.mark.parametrize("e", [0.2, 0.5, 0.8, 0.95])
+def test_sliding_does_not_jump_where_an_impact_begins_to_slip(tangential, e):
+    scene = Scene(contact=ContactModel(tangential=tangential)).with_interaction(restitution=e)
+    middle = just_slips_deg(scene)
+    found = [scene.impact(SPEED, angle) for angle in middle + np.arange(-1.5, 1.51, 0.25)]
+    rise = np.diff([impact.sliding / impact.total for impact in found])
+    assert -1e-4 < rise.min() and rise.max() < 0.012
+    assert found[-1].sliding > found[0].sliding
+
+
+@pytest.mark.parametrize("e", [0.2, 0.5, 0.8])
+def test_sliding_tends_to_total_at_grazing_impacts(e):
+    """What the damper takes is a share of at most tan(just slips) / tan(angle) of the way."""
+    scene = PARTICLE_SCENE.with_interaction(restitution=e)
+    first = math.tan(math.radians(just_slips_deg(scene)))
+    for angle in (75.0, 82.0, 88.0):
+        impact = scene.impact(SPEED, angle)
+        most = first / math.tan(math.radians(angle))
+        assert 0.0 < 1.0 - impact.sliding / impact.total < most
+    assert impact.sliding == pytest.approx(impact.total, rel=3e-3)
+
+
 # Balances
 
 
@@ -310,7 +393,7 @@ def test_default_step_biases_total_as_documented(fraction, angle, documented):
     assert np.mean(coarse) / reference - 1.0 == pytest.approx(documented, abs=0.001)
 
 
-@pytest.mark.parametrize("angle", [30.0, 60.0])
+@pytest.mark.parametrize("angle", [30.0, 40.0, 60.0])
 def test_an_oblique_impact_matches_an_independent_integration(angle):
     """The published law in plain Python with very small explicit steps, independent of the engine.
 
@@ -326,7 +409,7 @@ def test_an_oblique_impact_matches_an_independent_integration(angle):
     corrected, factor = 0.255279, 2 * math.sqrt(5 / 6)
 
     closing, along = speed * math.cos(math.radians(angle)), speed * math.sin(math.radians(angle))
-    overlap, surface, spring, total, before = 0.0, 0.0, 0.0, 0.0, 0.0
+    overlap, surface, spring, total, sliding, before = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     dt = 1e-9
     while True:
         overlap += closing * dt
@@ -342,15 +425,21 @@ def test_an_oblique_impact_matches_an_independent_integration(angle):
             spring *= k_t / before
         before = k_t
         spring -= k_t * slip * dt
-        trial = spring - factor * nominal * math.sqrt(k_t * mass) * slip
+        damper = factor * nominal * math.sqrt(k_t * mass)
+        trial = spring - damper * slip
         force = max(-mu * normal, min(mu * normal, trial))
         spring = max(-mu * normal, min(mu * normal, spring))
         total += normal * abs(slip) * dt
+        if abs(trial) > mu * normal and force * slip < 0.0:
+            # The damper holds the part of the limit that the spring does not.
+            taken = (mu * normal - math.copysign(spring, spring * force)) / damper
+            sliding += normal * (abs(slip) - taken) * dt
         closing -= normal / mass * dt
         along += force / mass * dt
         surface += force / (0.4 * mass) * dt
     found = single_impact(particle, radius, steel, Interaction(e, mu, 0.0), speed, angle)
     assert found.total == pytest.approx(total, rel=2e-3)
+    assert found.sliding == pytest.approx(sliding, rel=2e-3, abs=2e-4 * total)
     assert found.tangential_velocity == pytest.approx(along, rel=1e-3)
     if angle == 30.0:
         assert total / (mass * speed**2) == pytest.approx(0.187, abs=1e-3)

@@ -427,6 +427,24 @@ def test_a_position_that_is_no_number_ends_the_case_with_its_reason():
     assert result.status == "a position is not a finite number"
 
 
+def test_the_parts_of_the_window_are_consecutive_and_equal():
+    setup = JET.setup(window=2.0, max_time=20.0, target_stderr=0.5)
+    result = simulate(CASE, setup)
+    assert result.facet_wear_parts.shape == (10, *result.facet_wear.shape)
+    np.testing.assert_allclose(
+        result.facet_wear_parts.sum(axis=0), result.facet_wear, rtol=1e-12, atol=1e-15
+    )
+    # The series tells the wear of the plate at the ends of the parts.
+    ends = np.linspace(*result.window, 11)
+    for index in range(3):
+        worn = np.interp(ends, result.time, result.worn[:, index])
+        np.testing.assert_allclose(
+            result.facet_wear_parts[:, index].sum(axis=(1, 2)), np.diff(worn), rtol=1e-9, atol=1e-12
+        )
+    ended = simulate(CASE, replace(setup, max_time=2.1))
+    assert np.isnan(ended.facet_wear).all() and len(ended.facet_wear_parts) == 0
+
+
 @pytest.mark.parametrize("stepping", ["islands", "synchronous"])
 def test_many_samples_in_one_call_are_those_taken_one_by_one(stepping):
     """Also where the stop rule ends the case, where room is made, where the steps end it."""
@@ -452,7 +470,10 @@ def test_many_samples_in_one_call_are_those_taken_one_by_one(stepping):
         assert times == together.time[1:].tolist()
         assert together.facet_wear_all.sum() > 0.0
         ends.append((together.simulated_time, together.released))
-        for name in ("time", "worn", "delivered_mass", "present", "facet_wear", "facet_wear_all"):
+        for name in (
+            "time", "worn", "delivered_mass", "present", "facet_wear", "facet_wear_parts",
+            "facet_wear_all",
+        ):  # fmt: skip
             np.testing.assert_array_equal(getattr(together, name), getattr(alone, name))
         assert together.energy == alone.energy and together.status == alone.status
     assert ends[0][0] < 6.0 and ends[1][1] > 2 * FIRST_CAPACITY

@@ -9,6 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from abradem.dem import Case, Setup, simulate, simulation
+from abradem.dem.contact import effective_moduli
+from abradem.dem.impact import step_bias
+from abradem.elastic import hertz_duration, hertz_stiffness, sphere_mass
 from abradem.quantities import SAMPLED
 from abradem.verification.scenes import Scene
 
@@ -45,6 +48,73 @@ def test_what_cannot_be_simulated_is_refused_by_name(odd_case, odd_setup, words)
     with pytest.raises(ValueError) as refused:
         simulate(case(**odd_case), setup(**odd_setup))
     assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
+def step_of(odd_case, steps, speed):
+    """Time step that divides the head-on elastic impact on the plate, s."""
+    star = effective_moduli(odd_case.particle, odd_case.plate)[0]
+    radius = odd_case.particle_radius
+    mass = sphere_mass(radius, odd_case.particle_density)
+    return hertz_duration(hertz_stiffness(star, radius), mass, speed) / steps
+
+
+FALL = math.sqrt(25.0 + 2.0 * 9.81 * 0.25)
+
+
+@pytest.mark.parametrize(
+    ("e", "steps", "angle", "measure"),
+    [
+        (0.05, 6.0, 45.0, "total"), (0.05, 10.0, 0.0, "total"), (0.2, 8.0, 20.0, "total"),
+        (0.5, 11.0, 10.0, "total"), (0.5, 6.0, 30.0, "total"), (0.95, 8.0, 25.0, "friction"),
+    ],
+)  # fmt: skip
+def test_a_step_that_biases_the_first_impact_by_more_than_5_percent_is_refused(
+    e, steps, angle, measure
+):
+    odd = case(restitution=e, plate_angle=angle, rolling_friction=0.0)
+    with pytest.raises(ValueError) as refused:
+        simulate(odd, setup(time_step=step_of(odd, steps, FALL)))
+    assert f"biases {measure} of an impact at {max(angle, 10.0):g} deg" in str(refused.value)
+    assert "at most 5 % are allowed" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("e", "steps", "angle"),
+    [(0.05, 13.0, 0.0), (0.2, 10.5, 20.0), (0.5, 9.0, 50.0), (0.5, 13.0, 0.0), (0.8, 8.0, 10.0)],
+)
+def test_a_step_that_biases_the_first_impact_by_less_is_not_refused(e, steps, angle):
+    odd = case(restitution=e, plate_angle=angle, rolling_friction=0.0)
+    result = simulate(odd, setup(time_step=step_of(odd, steps, FALL), duration=0.02))
+    assert result.simulated_time == pytest.approx(0.02, rel=1e-3)
+
+
+def test_the_angle_and_speed_of_given_releases_are_judged():
+    """Thrown along the normal of a steep plate the wear is far off, along the plate it is not."""
+    odd = case(restitution=0.5, plate_angle=60.0)
+    steep = setup(time_step=step_of(odd, 9.0, 5.0), gravity=0.0, duration=0.02)
+    sine, cosine = math.sin(math.radians(60.0)), math.cos(math.radians(60.0))
+    start = [[-0.1 * sine, 0.1 * cosine, 0.0]]
+    with pytest.raises(ValueError, match="biases total of an impact at 20 deg"):
+        turned = math.radians(60.0 - 20.0)
+        thrown = [[5.0 * math.sin(turned), -5.0 * math.cos(turned), 0.0]]
+        simulate(odd, steep, releases=([0.0], start, thrown))
+    simulate(odd, steep, releases=([0.0], start, [[0.0, -5.0, 0.0]]))
+
+
+@pytest.mark.parametrize(("e", "mu", "angle"), [(0.2, 0.45, 35.0), (0.5, 0.4, 10.0), (0.8, 0, 60)])
+def test_the_bias_of_a_step_is_that_against_a_finer_reference(e, mu, angle):
+    odd = case(restitution=e, static_friction=float(mu), rolling_friction=0.0)
+    dt, contact = step_of(odd, 10.0, 4.0), SETUP.contact
+    found = step_bias(odd, contact, dt, 4.0, angle)
+    scene = Scene(odd.particle, odd.plate, odd.particle_radius, odd.interaction, contact)
+    best = scene.impact(4.0, angle, time_step=dt / 400.0)
+    coarse = [scene.impact(4.0, angle, time_step=dt, phase=phase) for phase in np.arange(64) / 64.0]
+    total = np.mean([one.total for one in coarse]) / best.total - 1.0
+    assert found["total"] == pytest.approx(total, abs=2e-3)
+    assert set(found) == ({"total", "friction"} if mu else {"total"})
+    if mu:
+        work = np.mean([one.friction_work for one in coarse]) / best.friction_work - 1.0
+        assert found["friction"] == pytest.approx(work, abs=2e-3)
 
 
 def test_a_release_into_another_particle_or_the_plate_ends_the_case():

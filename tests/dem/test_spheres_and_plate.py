@@ -31,6 +31,14 @@ def test_a_sliding_sphere_ends_rolling():
     assert found.total == pytest.approx(form.total, rel=5e-3)
 
 
+def test_a_sphere_that_slides_until_it_rolls_wears_by_sliding_alone():
+    form = exact.slide_to_roll(SOFT.mass, 1.0, 0.3, GRAVITY)
+    setup = SOFT.plane(time_step=2e-5, duration=0.15, sample_interval=0.15)
+    release = ([0.0], [(0.0, SOFT.radius * (1 + 1e-9), 0.0)], [(1.0, 0.0, 0.0)])
+    worn = simulate(SOFT.case(), setup, releases=release).worn[-1]
+    np.testing.assert_allclose(worn, form.total, rtol=5e-3)
+
+
 @pytest.mark.parametrize(
     ("angle", "mu_r"),
     [(20.0, 0.0), (45.0, 0.0), (47.0, 0.0), (60.0, 0.0), (20.0, 0.05), (60.0, 0.05)],

@@ -17,6 +17,9 @@ from abradem.figures.series import depth_series
 from abradem.learning.baselines.linear import fit_linear
 from abradem.quantities import QUANTITIES, WEAR_COLUMNS
 from abradem.wear.rates import wear_rates
+from abradem.words.wear import WearTarget
+
+MEAN = WearTarget("wear_total_mean")
 
 
 def linear_result(n):
@@ -37,7 +40,9 @@ def fitted(request):
 
 def test_series_panels_show_finite_curves_with_units_and_slopes(dozen):
     series, _, runs, cases = dozen
-    figure = series_figures.series_figure(*depth_series(series, runs, cases, SETUP, range(6)))
+    figure = series_figures.series_figure(
+        *depth_series(series, runs, cases, SETUP, range(6), "total"), MEAN
+    )
     assert len(figure.axes) == 6
     for panel in figure.axes:
         curve, slope = panel.lines
@@ -58,8 +63,12 @@ def test_series_of_cases_without_steady_state_or_rejected_say_so(dozen):
     series, maps = series[series["case_id"] != 2], maps[maps["case_id"] != 2]
     shown = [0, 1, 2]
     for figure in (
-        series_figures.series_figure(*depth_series(series, runs, cases, SETUP, shown)),
-        map_figures.wear_maps_figure(*depth_rate_maps(maps, runs, cases, SETUP, shown)),
+        series_figures.series_figure(
+            *depth_series(series, runs, cases, SETUP, shown, "total"), MEAN
+        ),
+        map_figures.wear_maps_figure(
+            *depth_rate_maps(maps, runs, cases, SETUP, shown, "total"), MEAN
+        ),
     ):
         words = texts(figure).replace("\n", " ")
         assert "no steady state" in words and "side by side do not fit" in words
@@ -69,16 +78,20 @@ def test_series_of_cases_without_steady_state_or_rejected_say_so(dozen):
 def test_figures_of_cases_that_do_not_exist_say_so(dozen):
     series, maps, runs, cases = dozen
     for figure in (
-        series_figures.series_figure(*depth_series(series, runs, cases, SETUP, [99])),
-        map_figures.wear_maps_figure(*depth_rate_maps(maps, runs, cases, SETUP, [99])),
+        series_figures.series_figure(
+            *depth_series(series, runs, cases, SETUP, [99], "total"), MEAN
+        ),
+        map_figures.wear_maps_figure(
+            *depth_rate_maps(maps, runs, cases, SETUP, [99], "total"), MEAN
+        ),
     ):
         assert "none of the cases" in texts(figure).replace("\n", " ")
 
 
 def test_wear_maps_show_every_facet_on_the_plate_with_a_bar_in_mm_per_s(dozen):
     _, maps, runs, cases = dozen
-    facets, panels = depth_rate_maps(maps, runs, cases, SETUP, [0, 3, 7, 8])
-    figure = map_figures.wear_maps_figure(facets, panels)
+    facets, panels = depth_rate_maps(maps, runs, cases, SETUP, [0, 3, 7, 8], "total")
+    figure = map_figures.wear_maps_figure(facets, panels, MEAN)
     drawn = [panel for panel in figure.axes if panel.get_xlabel() == "$x$ (mm)"]
     assert len(drawn) == 4
     for panel, key in zip(drawn, (0, 3, 7, 8), strict=True):
@@ -98,9 +111,77 @@ def test_a_map_shows_x_to_the_right_and_z_upwards():
     _, maps, runs, cases = study(1)
     maps[["wear_total"]] = 0.0
     maps.loc[(maps["facet_x"] == 5) & (maps["facet_z"] == 1), "wear_total"] = 1.0
-    figure = map_figures.wear_maps_figure(*depth_rate_maps(maps, runs, cases, SETUP, [0]))
+    figure = map_figures.wear_maps_figure(
+        *depth_rate_maps(maps, runs, cases, SETUP, [0], "total"), MEAN
+    )
     values = np.asarray(figure.axes[0].collections[0].get_array()).reshape(6, 6)
     assert np.unravel_index(values.argmax(), values.shape) == (1, 5)
+
+
+@pytest.mark.parametrize(
+    "name", ["wear_sliding_mean", "wear_friction_p99", "wear_total_max", "wear_friction_footprint"]
+)
+def test_series_maps_and_quality_follow_the_target(dozen, name):
+    series, maps, runs, cases = dozen
+    target = {"name": name, "element_size": 0.1}
+    said, setup = WearTarget(**target), {"facet_size": 0.05, "window": 2.0}
+    figures = {
+        "series": series_figures.draw([series], [runs], [cases], setup, [0, 1], 20, target),
+        "maps": map_figures.draw([maps], [runs], [cases], setup, [0, 1], target),
+        "quality": quality_figures.draw(wear_rates(*dozen, SETUP), target, 0.02, 0.95),
+    }
+    words = {key: texts(figure).replace("\n", " ") for key, figure in figures.items()}
+    assert f"wear measure: {said.measure};" in words["series"]
+    assert f"wear measure: {said.measure};" in words["maps"]
+    assert said.place in words["quality"]
+    share = {"total": 1.0, "sliding": 0.4, "friction": 0.5}[said.measure]
+    curve = figures["series"].axes[0].lines[0].get_ydata()
+    depth = 1e3 * cases["archard_constant"][0] / 0.09 * share * series["worn_total"].iloc[:201]
+    assert curve / curve[-1] == pytest.approx((depth / depth.iloc[-1]).to_numpy())
+    scale = np.log10(depth.iloc[-1] / curve[-1])
+    assert scale == pytest.approx(round(scale), abs=1e-9)
+    # The plate of 300 mm has three elements of 100 mm along each side, so two lines between them.
+    inner = [line.get_xdata()[0] for line in figures["maps"].axes[0].lines[:2]]
+    elements = said.statistic != "mean"
+    assert inner == pytest.approx([-50.0, 50.0] if elements else [])
+    assert ("the models predict another statistic" in words["series"]) == elements
+    assert (f"elements of the target, {said.place}" in words["maps"]) == elements
+    # The stop rule aims at the error of the mean of total alone.
+    assert "at most 2 %" not in words["quality"]
+    for figure in figures.values():
+        assert_fit_to_print(figure)
+
+
+def test_elements_of_one_facet_have_no_lines(dozen):
+    _, maps, runs, cases = dozen
+    for size in (0.05, None):
+        said = WearTarget("wear_total_max", size)
+        found = depth_rate_maps(maps, runs, cases, SETUP, [0], "total")
+        assert not map_figures.wear_maps_figure(*found, said).axes[0].lines
+
+
+def test_the_quality_of_a_target_is_that_of_its_own_error():
+    rates = pd.DataFrame(
+        {
+            "case_id": range(4), "quality": "ok", "wear_r2": [0.9, 0.99, 0.999, 0.99],
+            "wear_total_mean": 1.0, "wear_total_mean_stderr": 0.5,
+            "wear_friction_p99": [1.0, 2.0, 4.0, 0.0],
+            "wear_friction_p99_stderr": [0.1, 0.1, 0.1, 0.1],
+        }
+    )  # fmt: skip
+    table = quality_table(rates, "wear_friction_p99")
+    np.testing.assert_allclose(table["relative_stderr"], [0.1, 0.05, 0.025, np.nan])
+    figure = quality_figures.quality_figure(table, WearTarget("wear_friction_p99", 0.03), 0.02)
+    left, right = figure.axes
+    assert sum(bar.get_height() for bar in left.patches) == 3
+    assert sum(bar.get_height() for bar in right.patches) == 4
+    words = texts(figure).replace("\n", " ")
+    assert "3 of 4 cases, median 5 %" in words and "99th percentile of 30 mm elements" in words
+    assert_fit_to_print(figure)
+    unknown = quality_table(rates.drop(columns="wear_friction_p99_stderr"), "wear_friction_p99")
+    figure = quality_figures.quality_figure(unknown, WearTarget("wear_friction_p99"), 0.02)
+    assert "standard error of the target is not known" in texts(figure).replace("\n", " ")
+    assert_fit_to_print(figure)
 
 
 def test_coefficient_bars_carry_symbols_and_intervals(fitted):
@@ -163,8 +244,8 @@ def test_a_score_that_cannot_be_computed_is_not_invented(fitted):
 
 def test_quality_histograms_count_every_case(dozen):
     rates = wear_rates(*dozen, SETUP)
-    quality = quality_table(rates)
-    figure = quality_figures.quality_figure(quality, 0.02)
+    quality = quality_table(rates, MEAN.name)
+    figure = quality_figures.quality_figure(quality, MEAN, 0.02)
     for panel in figure.axes:
         assert sum(bar.get_height() for bar in panel.patches) == 12
     within = int((quality["relative_stderr"] <= 0.02).sum())
@@ -177,7 +258,7 @@ def test_quality_bins_reach_all_values(errors):
     quality = pd.DataFrame(
         {"relative_stderr": errors, "wear_r2": np.linspace(1.0, 0.1, len(errors))}
     )
-    figure = quality_figures.quality_figure(quality, 0.02)
+    figure = quality_figures.quality_figure(quality, MEAN, 0.02)
     for panel in figure.axes:
         assert sum(bar.get_height() for bar in panel.patches) == len(errors)
 

@@ -188,9 +188,18 @@ def test_the_set_up_names_what_it_shows(angles, monkeypatch):
     monkeypatch.setattr(style, "DPI", 60)
     case = {**CASE, "plate_angle": angles[0], "factory_angle": angles[1]}
     depth = np.random.default_rng(0).gamma(1.0, 1e-3, SETUP.facets)
-    figure = setup_figure(particles(20), depth, 1.5, case, SETUP)
+    figure = setup_figure(particles(20), depth, 1.5, case, SETUP, "friction")
     words = texts(figure)
-    for part in ("300 × 300 mm", "100 × 100 mm", "250 mm", "m/s", "(mm)", "after 1.5 s", "4 kg/s"):
+    for part in (
+        "300 × 300 mm",
+        "100 × 100 mm",
+        "250 mm",
+        "m/s",
+        "(mm)",
+        "after 1.5 s",
+        "4 kg/s",
+        "wear measure: friction",
+    ):
         assert part in words
     assert_says_what_it_shows(figure)
     assert_fit_to_print(figure)
@@ -210,7 +219,8 @@ def test_curves_by_angle_carry_their_angles_and_share_the_axis():
                 )
             )
             rates.append({"varied": varied, "angle": angle, "rate": slope, "rate_stderr": 1e-6})
-    figure = angles_figure(pd.concat(curves), pd.DataFrame(rates), CASE, 5.0)
+    figure = angles_figure(pd.concat(curves), pd.DataFrame(rates), CASE, 5.0, "sliding")
+    assert "wear measure: sliding" in texts(figure)
     left, right = figure.axes[:2]
     assert len(left.lines) == 3 and len(right.lines) == 2
     assert left.get_ylim() == right.get_ylim()
@@ -278,14 +288,16 @@ def test_the_gallery_shows_the_case_nearest_to_each_middle():
 def test_the_gallery_labels_every_map():
     _, maps, runs, cases = study(12)
     chosen = chosen_cases(cases, runs, "plate_angle", "particle_velocity_y", 4, 3)
-    facets, panels = depth_rate_maps(maps, runs, cases, SETUP, list(chosen["case_id"]))
-    figure = gallery_figure(facets, panels, chosen, "plate_angle", "particle_velocity_y")
+    facets, panels = depth_rate_maps(maps, runs, cases, SETUP, list(chosen["case_id"]), "friction")
+    over = ("plate_angle", "particle_velocity_y", "friction")
+    figure = gallery_figure(facets, panels, chosen, *over)
+    assert "wear measure: friction" in texts(figure)
     shown = [panel for panel in figure.axes if panel.get_xlabel().endswith("mm/s")]
     assert len(shown) == len(chosen)
     assert all("°" in panel.get_title() and "m/s" in panel.get_title() for panel in shown)
     assert_says_what_it_shows(figure)
     assert_fit_to_print(figure)
-    nothing = gallery_figure(facets, panels, chosen.iloc[:0], "plate_angle", "particle_velocity_y")
+    nothing = gallery_figure(facets, panels, chosen.iloc[:0], *over)
     assert "no case" in texts(nothing)
 
 

@@ -14,7 +14,7 @@ from tables import product_law
 from abradem.config import read_config, setup_dict
 from abradem.dataset.join import DATASET_COLUMNS
 from abradem.publish.folder import Study, publish, replacing_folder
-from abradem.quantities import WEAR_COLUMNS
+from abradem.quantities import STDERR_COLUMNS, WEAR_COLUMNS
 from abradem.store.columns import COLUMNS
 from abradem.store.files import write_json
 from abradem.store.tables import write_table
@@ -31,7 +31,9 @@ def tables():
         steady_from=0.5, simulated_time=5.5, delivered_rate=4.0, face_share=1.0, wear_r2=1.0,
     )  # fmt: skip
     wear = rows["wear_total_mean"]
-    rows = rows.assign(**dict.fromkeys(WEAR_COLUMNS, wear), wear_total_mean_stderr=0.02 * wear)
+    rows = rows.assign(
+        **dict.fromkeys(WEAR_COLUMNS, wear), **dict.fromkeys(STDERR_COLUMNS, 0.02 * wear)
+    )
     rows = rows.assign(worn_volume_rate=wear, wear_per_kg=wear)
     failures = pd.DataFrame({"case_id": [99], "status": ["no wear"], "simulated_time": [1.0]})
     found = {"dataset": rows[list(DATASET_COLUMNS)], "failures": failures}
@@ -55,10 +57,16 @@ class Results:
         self.files = []
         for name, table in tables().items():
             self.add(f"{name}.parquet", lambda path, table=table: write_table(table, path))
-        noise = {"cases": 2, "replicates": 8, "r2_floor": 0.999, "r2_floor_band": [0.998, 0.9995]}
+        noise = {"target": "wear_total_mean", "cases": 2, "replicates": 8, "r2_floor": 0.999,
+                 "r2_floor_band": [0.998, 0.9995]}  # fmt: skip
         for name, value in {
             "learning/noise_floor.json": noise,
-            "summary.json": {"flags": {"stderr": 1}, "cases_without_flag": 11},
+            "summary.json": {
+                "flags": {"stderr": 1},
+                "cases_without_flag": 11,
+                "target": "wear_friction_p99",
+                "target_words": "wear depth rate, friction, 99th percentile of 30 mm elements",
+            },
             "versions.json": {
                 "seed": 1,
                 "code": {},
@@ -144,7 +152,7 @@ def test_the_card_names_every_column_range_licence_and_author(made):
         "no wear",
     ):
         assert text in card
-    assert "0.02" in card and "0.99900" in card
+    assert "is below 0.2 or" in card and "0.99900" in card
 
 
 @pytest.mark.parametrize(

@@ -71,10 +71,17 @@ def results():
     )  # fmt: skip
     network = {"architecture": [361, 12], "best_fitness": 0.976, "networks_trained": 164}
     checks = pd.DataFrame({"part": [1, 1, 4], "verdict": ["holds", "FAILS", "holds"]})
+    exponents = pd.DataFrame(
+        {
+            "quantity": ["particle_radius", "impact_speed"], "exponent": [0.914, np.nan],
+            "exponent_stderr": [0.05, np.nan], "published_exponent": [0.87, 0.99],
+            "published_stderr": 0.02, "verdict": ["agrees", "not determined"],
+        }
+    )  # fmt: skip
     summary = {
         "external": None, "cases": 13, "failures": 1, "cases_without_flag": 11,
         "cases_with_good_r2": 12, "good_r2": 0.95, "median_relative_stderr": 0.01447,
-        "target": "wear_total_mean",
+        "target": "wear_total_mean", "target_words": "wear depth rate, total, mean over the plate",
     }  # fmt: skip
     return latex.CitedResults(
         {
@@ -85,6 +92,7 @@ def results():
             latex.BESIDE: beside,
             latex.SCORES: scores,
             latex.SELECTION: selection,
+            latex.EXPONENTS: exponents,
             latex.CHECKS: checks,
             **{file: network for file in latex.NETWORKS.values()},
         }
@@ -99,6 +107,7 @@ def tables(found):
     return {
         "quantities": latex.quantities_tex(found, "a_study"),
         "features": latex.features_tex(found, "a_study"),
+        "exponents": latex.exponents_tex(found, "a_study"),
         "models": latex.models_tex(found, NAMES, "a_study"),
         "verification": latex.verification_tex(found, PARTS, "a_study"),
     }
@@ -138,6 +147,7 @@ def test_every_quantity_has_its_symbol_unit_and_range():
     text = tables(results())["quantities"]
     lines = [line for line in text.splitlines() if re.match(r"X\d+ &", line)]
     assert len(lines) == 21
+    assert r"X21 & $\dot h$ & wear depth rate, total, mean over the plate & mm/s" in lines[-1]
     angle = next(line for line in lines if line.startswith("X13 "))
     assert angle.startswith(r"X13 & $\varphi$ & plate angle & \textdegree & 0 & 70")
     assert sum(" % " in line for line in lines) == 14
@@ -157,7 +167,12 @@ def test_tables_have_as_many_cells_as_columns_and_escape_words():
 def test_without_verification_and_simulations_these_numbers_are_left_out():
     found = results()
     files = {name: data for name, data in found.files.items() if name != latex.CHECKS}
-    files[latex.SUMMARY] = {"external": "t.csv", "cases": 13, "target": "wear_total_mean"}
+    files[latex.SUMMARY] = {
+        "external": "t.csv",
+        "cases": 13,
+        "target": "wear_total_mean",
+        "target_words": "wear depth rate",
+    }
     small = latex.CitedResults(files)
     names = set(latex.study_numbers(small))
     assert "NumberOfCases" in names and "RsquaredLinear" in names

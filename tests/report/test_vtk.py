@@ -83,7 +83,7 @@ def test_facets_cover_the_plate_once_and_face_the_particles():
 
 def test_each_facet_has_the_depth_of_its_place(folder):
     _, wear = snapshots()
-    _, depth = depth_frames(wear, CASE, SETUP)
+    _, depth = depth_frames(wear, CASE, SETUP, "total")
     found = arrays(folder / "plate_00001.vtp")
     np.testing.assert_array_equal(found["depth_total"], depth[1].ravel())
     middles = found["Points"][found["connectivity"].reshape(-1, 4)].mean(axis=1)

@@ -24,13 +24,15 @@ from abradem.store.tables import read_table
 def result_of(case, setup, status="ok"):
     rng = np.random.default_rng(int(case.particle_density))
     worn = rng.random((5, 3)).cumsum(axis=0)
+    # Some facets are worn in some of the parts only.
+    parts = rng.random((10, 3, *setup.facets)) * (rng.random((10, 1, *setup.facets)) < 0.5)
     numbers = {
         field.name: 0.1 for field in dataclasses.fields(SimulationResult) if field.type == "float"
     }
     others = {
         "case": case, "setup": setup, "status": status, "time": np.arange(5.0), "worn": worn,
         "delivered_mass": np.arange(5.0), "present": np.arange(5),
-        "facet_wear": rng.random((3, *setup.facets)),
+        "facet_wear": parts.sum(axis=0), "facet_wear_parts": parts,
         "facet_wear_all": rng.random((3, *setup.facets)), "window": (1.0, 2.0),
         "released": 5, "removed": 4, "energy": {},
     }  # fmt: skip
@@ -94,7 +96,8 @@ def test_every_case_has_a_row_in_runs(engine, tmp_path):
 def test_a_rejected_case_is_not_simulated_and_has_no_series(engine, tmp_path):
     tables = run(tmp_path, table_of_cases(rejected=[1]))
     assert len(engine.calls) == 3
-    assert set(tables["series"]["case_id"]) == set(tables["maps"]["case_id"]) == {0, 2, 3}
+    for name in ("series", "maps", "parts"):
+        assert set(tables[name]["case_id"]) == {0, 2, 3}
     row = tables["runs"].set_index("case_id").loc[1]
     assert row["simulated_time"] == 0.0 and math.isnan(row["window_start"])
 
@@ -127,7 +130,8 @@ def test_a_batch_of_rejected_cases_only_is_written(engine, tmp_path):
     tables = run(tmp_path, table_of_cases(2, rejected=[0, 1]))
     assert abradem.dem.warm.load.cache_info().currsize == 0, "kernels are loaded for nothing"
     assert len(tables["runs"]) == 2 and len(tables["series"]) == 0
-    assert tables["maps"].dtypes["facet_x"] == np.int32
+    assert tables["maps"].dtypes["facet_x"] == tables["parts"].dtypes["facet_x"] == np.int32
+    assert tables["runs"]["window_parts"].tolist() == [0, 0]
 
 
 def test_what_the_engine_refuses_is_a_status_and_the_others_go_on(engine, tmp_path):
@@ -175,6 +179,18 @@ def test_tables_hold_what_the_simulation_returned(engine, tmp_path):
     for index, measure in enumerate(("total", "sliding", "friction")):
         shown[index, maps["facet_x"], maps["facet_z"]] = maps[f"wear_{measure}"]
     assert np.array_equal(shown, expected.facet_wear)
+    parts = tables["parts"].query("case_id == 2")
+    shown = np.zeros(expected.facet_wear_parts.shape)
+    for index, measure in enumerate(("total", "sliding", "friction")):
+        column = parts[f"part_wear_{measure}"]
+        assert column.dtype == np.float32
+        shown[parts["window_part"], index, parts["facet_x"], parts["facet_z"]] = column
+    # Twelve significant bits.
+    np.testing.assert_allclose(shown, expected.facet_wear_parts, rtol=2.0**-12)
+    assert not np.array_equal(shown, expected.facet_wear_parts)
+    assert tables["runs"]["window_parts"].tolist() == [10] * 4
+    # Where there is no wear there is no row.
+    assert len(parts) == np.count_nonzero(expected.facet_wear_parts[:, 0])
 
 
 # Interruptions
@@ -321,7 +337,7 @@ def test_two_processes_at_the_same_batch_take_turns(engine, tmp_path):
         thread.join()
     assert turns == sorted(turns, key=turns.index) and len(turns) == 12
     assert sorted(path.name for path in tmp_path.glob("*.parquet")) == [
-        "maps.parquet", "runs.parquet", "series.parquet", "times.parquet",
+        "maps.parquet", "parts.parquet", "runs.parquet", "series.parquet", "times.parquet",
     ]  # fmt: skip
     assert not list((tmp_path / ".finished").iterdir())
 
@@ -330,7 +346,8 @@ def test_nothing_but_the_tables_is_left(engine, tmp_path):
     run(tmp_path)
     assert not (tmp_path / ".finished" / "batch").exists()
     assert sorted(path.name for path in tmp_path.glob("*.*")) == [
-        ".finished", "maps.parquet", "runs.parquet", "series.parquet", "times.parquet",
+        ".finished", "maps.parquet", "parts.parquet", "runs.parquet", "series.parquet",
+        "times.parquet",
     ]  # fmt: skip
 
 

@@ -213,6 +213,8 @@ def test_missing_and_damaged_files_are_one_line(stem, tmp_path):
         (("target", "unit"), "m/s", "target.unit = 'm/s' must be 'mm/s'"),
         (("target", "unit"), 3, "target.unit = 3 must be text"),
         (("target", "name"), ..., "target.name is missing"),
+        (("target", "element_size"), 0.0, "target.element_size = 0.0 must be positive"),
+        (("target", "element_size"), "30", "target.element_size = '30' must be a finite number"),
         (("jet",), [1.0], "jet = [1.0] must be an object"),
         (("jet", "gravity"), ..., "jet has ["),
         (("jet", "gravity"), "9.81", "jet.gravity = '9.81' must be a finite number"),
@@ -631,6 +633,29 @@ def test_the_depth_is_said_to_be_that_of_the_target(capsys, stem):
     _, out, _ = run(capsys, "--model", stem, *WORDS, "--depth", "5")
     assert "(wear_total_mean: mean over the plate)" in out
     assert "(depth mean over the plate; single places are worn deeper)" in out
+
+
+@pytest.mark.parametrize(
+    ("target", "rate", "depth"),
+    [
+        ("wear_friction_p99", "99th percentile of 30 mm elements",
+         "99th percentile of 30 mm elements; single places are worn deeper"),
+        ("wear_total_max", "worst 30 mm element", "worst 30 mm element"),
+        ("wear_sliding_mean", "mean over the plate",
+         "mean over the plate; single places are worn deeper"),
+    ],
+)  # fmt: skip
+def test_a_surrogate_says_the_size_of_the_elements_of_its_target(
+    capsys, given, process, tmp_path, target, rate, depth
+):
+    renamed = given._replace(table=given.table._replace(target_name=target))
+    settings = SETTINGS._replace(points=200, hidden=(4,), epochs=1)
+    model = surrogate_of(renamed, process, np.ones(99), settings, None, element_size=0.03)
+    write_model(*model, tmp_path / "s.json")
+    code, out, _ = run(capsys, "--model", tmp_path / "s", *WORDS, "--depth", "5")
+    assert code == 0
+    assert f"({target}: {rate})" in out and f"(depth {depth})" in out
+    assert ("element_size" in model[0]["target"]) == ("mm" in rate)
 
 
 def test_the_smallest_level_has_an_interval(stem):

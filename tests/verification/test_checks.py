@@ -101,6 +101,54 @@ def test_documented_biases_are_those_of_the_study():
             assert jet == pytest.approx(time_step.STATED_JET[measure, fraction], abs=1e-9)
 
 
+def stated_angles():
+    """The table by angle that the study would return if all is as stated."""
+    return pd.DataFrame(
+        [
+            {"fraction": fraction, "measure": measure, "restitution": 0.5, "angle": angle,
+             "bias": 0.0, "largest_bias": bias}
+            for (measure, fraction), biases in time_step.STATED_AT_ANGLES.items()
+            for angle, bias in zip(time_step.EACH_ANGLE, biases, strict=True)
+        ]
+    )  # fmt: skip
+
+
+def test_biases_at_single_angles_are_limited_and_stated():
+    angles = stated_angles()
+    assert [check.law for check in time_step.angle_checks(angles) if not check.holds] == []
+    # A tenth of a percent at one angle is noticed, and so is a default step that is too long.
+    one = (angles["measure"] == "total") & (angles["fraction"] == 0.15) & (angles["angle"] == 40.0)
+    angles.loc[one, "largest_bias"] += 0.001
+    failing = [check.law for check in time_step.angle_checks(angles) if not check.holds]
+    assert len(failing) == 1 and "stated biases of total at 0.15" in failing[0]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(time_step, "CHOSEN", time_step.PAPERS)
+        failing = [c.law for c in time_step.angle_checks(stated_angles()) if not c.holds]
+    assert len(failing) == 3 and all("default step, 0.2" in law for law in failing)
+
+
+def test_the_bias_at_an_angle_is_as_stated():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(time_step, "EACH_ANGLE", (40.0,))
+        found = time_step.by_angle()
+    assert sorted(found["fraction"].unique()) == [0.15, 0.2]
+    place = time_step.EACH_ANGLE.index(40.0)
+    for (fraction, measure), part in found.groupby(["fraction", "measure"]):
+        largest = part["largest_bias"].abs().max()
+        stated = abs(time_step.STATED_AT_ANGLES[measure, fraction][place])
+        assert largest == pytest.approx(stated, abs=6e-4)
+
+
+def test_documented_biases_at_single_angles_are_those_of_the_study():
+    method = (ROOT / "docs" / "method.md").read_text()
+    for place, angle in enumerate(time_step.EACH_ANGLE):
+        line = next(line for line in method.splitlines() if line.startswith(f"| {angle:.0f}° |"))
+        numbers = [float(cell) / 100.0 for cell in line.split("|")[2:10]]
+        for fraction, given in ((0.15, numbers[:3]), (0.2, numbers[4:7])):
+            stated = [time_step.STATED_AT_ANGLES[m, fraction][place] for m in WEAR_MEASURES]
+            assert given == pytest.approx(stated, abs=1e-9)
+
+
 def test_tangential_force_against_time_is_that_of_another_code():
     found = codes.force_checks(codes.compare_forces(codes.read(CODES / "forces.csv")))
     assert {check.law.split()[0] for check in found} == set(codes.PEERS)

@@ -7,6 +7,7 @@ import pytest
 
 from abradem.config import ConfigError, load_config, typical_case
 from abradem.dem.model import Setup
+from abradem.quantities import WEAR_MEASURES
 from abradem.simulation.snapshots import write_scene
 from abradem.store.tables import read_table
 from abradem.wear.angles import depth_by_angle
@@ -28,15 +29,17 @@ def test_a_particle_of_the_pictures_that_is_wider_than_the_plate_is_one_line():
         load_config(values)
 
 
-def test_depth_by_angle_varies_one_angle_and_holds_the_other():
+@pytest.mark.parametrize("measure", WEAR_MEASURES)
+def test_depth_by_angle_varies_one_angle_and_holds_the_other(measure):
     from abradem import Case, simulate
 
     angles = {"plate_angle": [30.0, 60.0], "factory_angle": [0.0]}
-    curves, rates = depth_by_angle(CASE, SETUP, angles, 2.0)
+    curves, rates = depth_by_angle(CASE, SETUP, angles, 2.0, measure)
     assert rates["angle"].tolist() == [30.0, 60.0, 0.0]
     alone = simulate(Case(**{**CASE, "factory_angle": 0.0}), Setup(facet_size=0.05, duration=2.0))
     mine = curves[curves["varied"] == "factory_angle"]
-    depth = 1e3 * CASE["archard_constant"] / SETUP.plate_area * alone.worn[:, 0]
+    worn = dict(zip(("total", "sliding", "friction"), alone.worn.T, strict=True))[measure]
+    depth = 1e3 * CASE["archard_constant"] / SETUP.plate_area * worn
     np.testing.assert_array_equal(mine["wear_depth"], depth)
     for row in rates.itertuples():
         curve = curves[(curves["varied"] == row.varied) & (curves["angle"] == row.angle)]
@@ -44,11 +47,12 @@ def test_depth_by_angle_varies_one_angle_and_holds_the_other():
         assert row.rate == pytest.approx(curve["wear_depth"].iloc[-1] / 2.0, rel=0.3)
 
 
-def test_a_depth_of_the_frames_is_the_plate_mean_of_the_series(tmp_path):
+@pytest.mark.parametrize("measure", WEAR_MEASURES)
+def test_a_depth_of_the_frames_is_the_plate_mean_of_the_series(tmp_path, measure):
     write_scene(CASE, SETUP, tmp_path, 1.0, 0.25)
     wear = read_table(tmp_path / "wear.parquet")
-    times, depth = depth_frames(wear, CASE, SETUP)
+    times, depth = depth_frames(wear, CASE, SETUP, measure)
     assert depth.shape == (len(times), *SETUP.facets) and times[0] == 0.0
-    worn = wear.groupby("time")["wear_total"].sum()
+    worn = wear.groupby("time")[f"wear_{measure}"].sum()
     mean = 1e3 * CASE["archard_constant"] / SETUP.plate_area * worn
     np.testing.assert_allclose(depth.mean(axis=(1, 2)), mean, rtol=1e-12)

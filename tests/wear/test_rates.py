@@ -7,7 +7,14 @@ import pytest
 from abradem.dem.model import Setup
 from abradem.figures.maps import depth_rate_maps
 from abradem.figures.series import depth_series
-from abradem.quantities import SAMPLED, STATISTICS, WEAR_COLUMNS, WEAR_MEASURES
+from abradem.quantities import (
+    SAMPLED,
+    STATISTICS,
+    STDERR_COLUMNS,
+    WEAR_COLUMNS,
+    WEAR_MEASURES,
+    wear_column,
+)
 from abradem.report.summary import quality_counts
 from abradem.wear import rates as wr
 
@@ -55,6 +62,18 @@ def straight_study(rates=(2.0, 1.0, 0.5), w=1e-9, start=1.0, end=7.0, keys=(5,))
     for row in SAMPLED:
         cases[row.name] = cases.get(row.name, np.mean(row.paper_range))
     return series, maps, runs, cases
+
+
+def parts_of(maps, shares):
+    """Table of parts that hold these shares of the wear of the window, without unworn facets."""
+    parts = pd.concat(
+        maps.assign(
+            window_part=part,
+            **{f"part_wear_{name}": share * maps[f"wear_{name}"] for name in WEAR_MEASURES},
+        )
+        for part, share in enumerate(shares)
+    )
+    return parts[parts["part_wear_total"] > 0.0].drop(columns=[f"wear_{n}" for n in WEAR_MEASURES])
 
 
 def test_slope_of_a_straight_line_is_exact():
@@ -190,11 +209,15 @@ def test_the_map_of_a_steady_case_has_the_mean_of_the_slope():
 def test_wear_is_exactly_proportional_to_w():
     rng = np.random.default_rng(0)
     series, maps, runs, cases = straight_study()
-    series["worn_total"] += np.cumsum(rng.random(len(series)) * 0.01)
-    once = wr.wear_rates(series, maps, runs, cases, SETUP)
-    twice = wr.wear_rates(series, maps, runs, cases.assign(archard_constant=4e-9), SETUP)
-    scaled = [*WEAR_COLUMNS, "wear_total_mean_stderr", "worn_volume_rate", "wear_per_kg"]
-    assert (once["wear_total_mean_stderr"] > 0).all()
+    for measure in WEAR_MEASURES:
+        series[f"worn_{measure}"] += np.cumsum(rng.random(len(series)) * 0.01)
+    parts = parts_of(maps, rng.dirichlet(np.ones(10)))
+    runs["window_parts"] = 10
+    once = wr.wear_rates(series, maps, runs, cases, SETUP, parts=parts)
+    heavy = cases.assign(archard_constant=4e-9)
+    twice = wr.wear_rates(series, maps, runs, heavy, SETUP, parts=parts)
+    scaled = [*WEAR_COLUMNS, *STDERR_COLUMNS, "worn_volume_rate", "wear_per_kg"]
+    assert (once[list(STDERR_COLUMNS)] > 0).all(axis=None)
     pd.testing.assert_frame_equal(twice[scaled], 4.0 * once[scaled], check_exact=True)
     same = [name for name in once if name not in scaled]
     pd.testing.assert_frame_equal(twice[same], once[same], check_exact=True)
@@ -216,6 +239,33 @@ def test_facets_left_out_of_a_map_are_unworn():
     full = wr.wear_rates(series, maps, runs, cases, SETUP)
     sparse = wr.wear_rates(series, maps[maps["wear_total"] > 0], runs, cases, SETUP)
     pd.testing.assert_frame_equal(full, sparse)
+
+
+def test_errors_of_parts_that_differ_in_time_alone_are_those_of_their_scatter():
+    # Every part has the same map times a share, so every statistic is a mean over the parts.
+    series, maps, runs, cases = straight_study(keys=(3, 5))
+    shares = np.random.default_rng(1).permutation(np.arange(6.0, 16.0)) / 105.0
+    runs["window_parts"] = 10
+    rates = wr.wear_rates(series, maps, runs, cases, SETUP, parts=parts_of(maps, shares))
+    scatter = 10.0 * shares.std(ddof=1) / np.sqrt(10.0)
+    for measure in WEAR_MEASURES:
+        for statistic in STATISTICS[1:]:
+            name = wear_column(measure, statistic)
+            np.testing.assert_allclose(rates[f"{name}_stderr"], scatter * rates[name], rtol=1e-9)
+
+
+def test_parts_without_wear_count_and_without_the_table_errors_of_elements_are_unknown():
+    series, maps, runs, cases = straight_study()
+    runs["window_parts"] = 10
+    shares = np.array([0.5, 0.0, 0.1, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0, 0.0])
+    rates = wr.wear_rates(series, maps, runs, cases, SETUP, parts=parts_of(maps, shares)).iloc[0]
+    expected = 10.0 * shares.std(ddof=1) / np.sqrt(10.0)
+    assert rates["wear_total_max_stderr"] == pytest.approx(expected * rates["wear_total_max"])
+    without = wr.wear_rates(series, maps, runs, cases, SETUP).iloc[0]
+    known = [name for name in STDERR_COLUMNS if name.endswith("_mean_stderr")]
+    assert without[known].notna().all()
+    assert without.drop(known)[[name for name in STDERR_COLUMNS if name not in known]].isna().all()
+    pd.testing.assert_series_equal(rates[list(WEAR_COLUMNS)], without[list(WEAR_COLUMNS)])
 
 
 def test_cases_that_ended_early_have_no_row():
@@ -268,7 +318,7 @@ def test_the_summary_counts_straight_series_and_flags():
             "quality": ["ok", "stderr", "overlap+stderr"],
         }
     )
-    assert quality_counts(rates, 0.95) == {
+    assert quality_counts(rates, "wear_total_mean", 0.95) == {
         "cases": 3,
         "good_r2": 0.95,
         "cases_with_good_r2": 2,
@@ -285,7 +335,7 @@ def test_fewer_than_twenty_batches_are_refused():
 
 def test_the_fitted_line_runs_through_the_ends_of_the_steady_part():
     series, _, runs, cases = straight_study()
-    curves, fits = depth_series(series, runs, cases, SETUP, [5, 77])
+    curves, fits = depth_series(series, runs, cases, SETUP, [5, 77], "total")
     assert list(fits["case_id"]) == [5]
     row = fits.iloc[0]
     assert row["depth_from"] == pytest.approx(0.0, abs=1e-18)

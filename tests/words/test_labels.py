@@ -8,6 +8,7 @@ from abradem.learning.protocols import PROTOCOLS as PROTOCOL_NAMES
 from abradem.quantities import QUANTITIES, STATISTICS, WEAR_COLUMNS, WEAR_MEASURES, Quantity
 from abradem.store.columns import COLUMNS
 from abradem.words import labels
+from abradem.words.wear import WEAR_WORDS
 
 
 def test_every_quantity_and_every_term_of_the_power_law_has_a_label():
@@ -24,12 +25,12 @@ def test_every_model_and_every_protocol_has_a_name():
 def test_every_wear_rate_has_words():
     assert tuple(labels.MEASURE_WORDS) == WEAR_MEASURES
     assert tuple(labels.STATISTIC_WORDS) == STATISTICS
-    assert labels.WEAR_WORDS.keys() == set(WEAR_COLUMNS)
+    assert WEAR_WORDS.keys() == set(WEAR_COLUMNS)
 
 
 @pytest.mark.parametrize("name", [row.name for row in QUANTITIES])
 def test_long_names_in_the_metadata_of_tables_are_the_labels(name):
-    words = labels.WEAR_WORDS.get(name, labels.LABELS[name].long_name)
+    words = WEAR_WORDS.get(name, labels.LABELS[name].long_name)
     assert COLUMNS[name].long_name == words
 
 

@@ -29,8 +29,8 @@ from pathlib import Path
 import yaml
 
 ROOT = Path(__file__).parents[2]
-TABLES = ("cases", "series", "maps", "runs", "wear_rates", "cases.parquet", "failures.parquet",
-          "dataset.parquet")  # fmt: skip
+TABLES = ("cases", "series", "maps", "parts", "runs", "wear_rates", "cases.parquet",
+          "failures.parquet", "dataset.parquet")  # fmt: skip
 SECONDS = 1800
 """Longest that a run may take, on the busiest machine."""
 

@@ -451,7 +451,8 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
         ({"seed": 2}, ALL_OF_SIMULATION),
         ({"simulation": {"stop": {"max_time_s": 4.0}}}, ALL_OF_SIMULATION),
         ({"wear_rate": {"footprint_share": 0.9}}, {
-            k: v for k, v in AFTER_SIMULATION.items() if k not in OF_SIMULATIONS
+            **{k: v for k, v in AFTER_SIMULATION.items() if k not in OF_SIMULATIONS},
+            "replicates": 4,
         }),
         ({"wear_rate": {"good_r2": 0.9}}, {"figure_quality": 1, "summary": 1, "latex": 1}),
         ({"features": {"damping_coefficient": "printed"}}, {
@@ -561,7 +562,7 @@ def test_fewer_blocks_run_only_the_joins(project):
 def test_growing_shrinking_and_another_study_leave_finished_simulations_alone(project):
     def finished(study="smoke"):
         folder = project.root / "results" / study
-        tables = [path for name in ("cases", "series", "maps", "runs", "wear_rates")
+        tables = [path for name in ("cases", "series", "maps", "parts", "runs", "wear_rates")
                   for path in sorted((folder / name).glob("block-*.parquet"))]  # fmt: skip
         return {str(path.relative_to(folder)): (path.stat().st_mtime_ns, path.read_bytes())
                 for path in tables}  # fmt: skip
@@ -602,7 +603,7 @@ def test_two_studies_at_once_in_one_folder_make_what_each_makes_alone(project):
         said, _ = run.communicate(timeout=600)
         assert run.returncode == 0, said
     for name in names:
-        for part in ("cases", "series", "maps", "runs"):
+        for part in ("cases", "series", "maps", "parts", "runs"):
             together = sorted((project.root / "results" / name / part).glob("block-*.parquet"))
             assert len(together) == (2 if part == "cases" else BATCHES)
             for path in together:
@@ -651,7 +652,7 @@ def test_a_killed_run_continues_to_the_same_bytes(project):
     assert list(results.glob(".finished/*/started"))
     assert project.run("simulation", overlays=overlays)["simulate"] > 0
     assert project.pending("simulation", overlays=overlays) == {}
-    for name in ("series", "maps", "runs"):
+    for name in ("series", "maps", "parts", "runs"):
         paths = sorted((results / name).glob("*.parquet"))
         assert paths
         for path in paths:

@@ -12,11 +12,13 @@ from abradem.config import (
     sampled_ranges,
     rate_options,
     setup_dict,
+    target_dict,
     to_yaml,
     typical_case,
 )
 from abradem.dataset.variation import nothing_varies
 from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS
+from abradem.quantities import wear_parts
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
 from abradem.running.memory import killed_for_memory, memory_kills
@@ -76,6 +78,9 @@ LOGS = f"{RESULTS}/logs"
 if reason := why_no_folder(RESULTS):
     sys.exit(reason)
 SETUP = setup_dict(CONFIG)
+# What the models predict, as arguments of abradem.words.wear.WearTarget.
+TARGET = target_dict(CONFIG)
+MEASURE, _ = wear_parts(TARGET["name"])
 # False if the models are trained on an external table.
 SIMULATED = CONFIG.dataset.external is None
 # True if the study is a search for the set-up that explains a table.

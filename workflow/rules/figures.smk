@@ -40,7 +40,7 @@ if SIMULATED:
             "../envs/abradem.yaml"
         params:
             **drawn_as("setup"),
-            options={"case": TYPICAL, "setup": SETUP},
+            options={"case": TYPICAL, "setup": SETUP, "measure": MEASURE},
         script:
             "../scripts/figures/figure.py"
 
@@ -62,6 +62,7 @@ if SIMULATED:
                 "shown": SHOWN,
                 "setup": SETUP,
                 "min_batches": CONFIG.wear_rate.min_batches,
+                "target": TARGET,
             },
         script:
             "../scripts/figures/figure.py"
@@ -79,7 +80,11 @@ if SIMULATED:
             "../envs/abradem.yaml"
         params:
             **drawn_as("angles"),
-            options={"case": TYPICAL, "duration": CONFIG.figures.angles.duration_s},
+            options={
+                "case": TYPICAL,
+                "duration": CONFIG.figures.angles.duration_s,
+                "measure": MEASURE,
+            },
         script:
             "../scripts/figures/figure.py"
 
@@ -96,6 +101,7 @@ if SIMULATED:
         params:
             **drawn_as("quality"),
             options={
+                "target": TARGET,
                 "target_stderr": CONFIG.simulation.stop.target_stderr,
                 "good_r2": CONFIG.wear_rate.good_r2,
             },
@@ -116,7 +122,7 @@ if SIMULATED:
             "../envs/abradem.yaml"
         params:
             **drawn_as("maps"),
-            options={"shown": SHOWN, "setup": SETUP},
+            options={"shown": SHOWN, "setup": SETUP, "target": TARGET},
         script:
             "../scripts/figures/figure.py"
 
@@ -134,7 +140,7 @@ if SIMULATED:
             "../envs/abradem.yaml"
         params:
             **drawn_as("gallery"),
-            options={"setup": SETUP, "grid": GALLERY_GRID},
+            options={"setup": SETUP, "grid": GALLERY_GRID, "target": TARGET},
         script:
             "../scripts/figures/figure.py"
 
@@ -196,7 +202,7 @@ rule figure_coefficients:
         "../envs/abradem.yaml"
     params:
         **drawn_as("coefficients"),
-        options={},
+        options={"element_size": TARGET["element_size"]},
     script:
         "../scripts/figures/figure.py"
 
@@ -214,7 +220,7 @@ rule figure_predicted_linear:
         "../envs/abradem.yaml"
     params:
         **drawn_as("predicted_linear"),
-        options={},
+        options={"element_size": TARGET["element_size"]},
     script:
         "../scripts/figures/figure.py"
 

@@ -26,6 +26,7 @@ rule learning:
         rules.baselines.input,
         rules.physical.input,
         f"{RESULTS}/learning/scores.parquet",
+        f"{RESULTS}/learning/exponents.parquet",
 
 
 rule scores:
@@ -53,3 +54,21 @@ rule scores:
         code=code_of("learning/scores"),
     script:
         "../scripts/learning/scores.py"
+
+
+rule exponents:
+    """Exponents of the wear rate beside those of the published data."""
+    input:
+        rules.dataset.output,
+    output:
+        f"{RESULTS}/learning/exponents.parquet",
+    log:
+        f"{LOGS}/exponents.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        target=LEARNING.target,
+        setup=JET,
+        code=code_of("learning/exponents"),
+    script:
+        "../scripts/learning/exponents.py"

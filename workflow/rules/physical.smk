@@ -120,7 +120,11 @@ rule surrogate:
         table=LEARNED_FROM,
         settings=SURROGATE.model_dump(include={"points", "hidden", "epochs"}),
         splits=SPLITS,
-        options={"confidence": LEARNING.confidence, "seed": CONFIG.seed},
+        options={
+            "confidence": LEARNING.confidence,
+            "seed": CONFIG.seed,
+            "element_size": TARGET["element_size"],
+        },
         code=code_of("physical/surrogate"),
     script:
         "../scripts/physical/surrogate.py"
@@ -206,6 +210,7 @@ if SIMULATED:
         conda:
             "../envs/abradem.yaml"
         params:
+            target=LEARNING.target,
             confidence=LEARNING.confidence,
             code=code_of("physical/noise_floor"),
         script:
@@ -239,9 +244,4 @@ if SIMULATED:
             "../scripts/physical/speed_up.py"
 
 
-# The replicates give the noise of the headline wear rate only.
-NOISE_SUMMARY = (
-    rules.noise_floor.output.summary
-    if SIMULATED and LEARNING.target == "wear_total_mean"
-    else []
-)
+NOISE_SUMMARY = rules.noise_floor.output.summary if SIMULATED else []

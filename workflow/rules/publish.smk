@@ -27,6 +27,7 @@ rule published_folder:
         rules.trees.output,
         expand(rules.ga_ann.output, protocol=PROTOCOLS),
         rules.scores.output,
+        rules.exponents.output,
         rules.fit_physical.output,
         rules.intervals.output,
         rules.surrogate.output,

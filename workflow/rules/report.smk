@@ -14,6 +14,7 @@ TABLE_FILES = {
     "comparison": rules.scores.output.comparison,
     "beside_paper": rules.scores.output.beside_paper,
     "power_law": rules.fit_physical.output.exponents,
+    "exponents": rules.exponents.output,
     "targets": rules.reach.output.targets,
     "extrapolation": rules.reach.output.extrapolation,
     "sobol": rules.sensitivity.output.indices,
@@ -30,6 +31,7 @@ CITED = [
     "learning/beside_paper.parquet",
     "learning/scores.parquet",
     "learning/selection.parquet",
+    "learning/exponents.parquet",
     *(f"learning/ga_ann_{protocol}.json" for protocol in PROTOCOLS),
 ]
 # Only the keys of the configuration that are cited, so that other keys do not change the tables.
@@ -41,7 +43,7 @@ CITED_KEYS = {
     "features": True,
     "learning": {"repeats", "test_share"},
 }
-IN_LATEX = ["numbers", "quantities", "features", "models", "verification"]
+IN_LATEX = ["numbers", "quantities", "features", "models", "exponents", "verification"]
 
 
 localrules:
@@ -102,6 +104,7 @@ rule summary:
         options={
             "good_r2": CONFIG.wear_rate.good_r2,
             "external": CONFIG.dataset.external,
+            "element_size": TARGET["element_size"],
         },
         code=code_of("report/summary"),
     script:
@@ -119,6 +122,7 @@ rule findings:
         extrapolation=rules.reach.output.extrapolation,
         indices=rules.sensitivity.output.indices,
         falls=rules.sensitivity.output.falls,
+        exponents=rules.exponents.output,
         noise=NOISE_SUMMARY,
         speed=rules.speed_up.output[0] if SIMULATED else [],
     output:
@@ -134,6 +138,7 @@ rule findings:
         "../envs/abradem.yaml"
     params:
         table=CONFIG.study,
+        target=TARGET if SIMULATED else None,
         code=code_of("report/findings"),
     script:
         "../scripts/report/findings.py"
@@ -223,6 +228,7 @@ if SIMULATED:
         params:
             cases=[{**TYPICAL, **SCENES[scene][0]} for scene in FILMED],
             setup=SETUP,
+            measure=MEASURE,
             width=FILM.panel_pixels,
             per_second=FILM.frames_per_second,
             code=code_of("report/movie"),

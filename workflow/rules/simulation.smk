@@ -38,6 +38,7 @@ rule simulate:
     output:
         series=f"{RESULTS}/series/block-{{block}}-batch-{{batch}}.parquet",
         maps=f"{RESULTS}/maps/block-{{block}}-batch-{{batch}}.parquet",
+        parts=f"{RESULTS}/parts/block-{{block}}-batch-{{batch}}.parquet",
         times=f"{RESULTS}/benchmarks/cases/block-{{block}}-batch-{{batch}}.parquet",
         runs=f"{RESULTS}/runs/block-{{block}}-batch-{{batch}}.parquet",
     log:

@@ -12,12 +12,13 @@ PARTS = {
     "laws": ["checks", "restitution", "angles", "convergence"],
     "chung_ooi": ["checks", "tests", "measured"],
     "codes": ["checks", "impacts", "jets", "forces"],
-    "time_step": ["checks", "impacts", "mean", "jets"],
+    "time_step": ["checks", "impacts", "mean", "jets", "angles"],
     "statistics": ["checks", "replicates", "stopped", "extremes"],
     "steady_state": ["checks", "rates", "series"],
     "conveyor": ["checks", "rates"],
     "trends": ["checks", "measurements", "exponents"],
     "facets_and_bed": ["checks", "sizes", "heap"],
+    "stop_rule": ["checks", "ended"],
 }
 
 # The tables of each figure, in the order of the parameters of its drawing function.
@@ -188,6 +189,21 @@ rule verification_facets_and_bed:
         "../envs/abradem.yaml"
     params:
         **part("facets_and_bed"),
+    script:
+        "../scripts/verification/part.py"
+
+
+rule verification_stop_rule:
+    """Coverage of the intervals of cases that the stop rule ended."""
+    output:
+        **part_files("stop_rule", "parquet"),
+        text=list(part_files("stop_rule", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/stop_rule.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **part("stop_rule"),
     script:
         "../scripts/verification/part.py"
 

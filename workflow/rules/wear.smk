@@ -21,6 +21,7 @@ rule wear_rates:
         cases=f"{RESULTS}/cases/block-{{block}}.parquet",
         series=rules.simulate.output.series,
         maps=rules.simulate.output.maps,
+        parts=rules.simulate.output.parts,
         runs=rules.simulate.output.runs,
     output:
         f"{RESULTS}/wear_rates/block-{{block}}-batch-{{batch}}.parquet",
@@ -56,6 +57,7 @@ rule angles:
                 "factory_angle": CONFIG.figures.angles.factory,
             },
             "duration": CONFIG.figures.angles.duration_s,
+            "measure": MEASURE,
             "min_batches": CONFIG.wear_rate.min_batches,
         },
         code=code_of("wear/angles"),
@@ -82,7 +84,7 @@ rule replicates:
         cases=CONFIG.learning.noise.cases,
         replicates=CONFIG.learning.noise.replicates,
         part=lambda wildcards: [int(wildcards.part), len(REPLICATE_PARTS)],
-        min_batches=CONFIG.wear_rate.min_batches,
+        options=rate_options(CONFIG),
         code=code_of("wear/replicates"),
     script:
         "../scripts/wear/replicates.py"

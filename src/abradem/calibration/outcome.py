@@ -8,16 +8,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from abradem.calibration.agreement import (
-    SCORES,
-    agreement,
-    design,
-    scored,
-    simulated_means,
-    wear_exponents,
-)
+from abradem.calibration.agreement import SCORES, agreement, scored, simulated_means
 from abradem.calibration.halving import best_readings, combination
 from abradem.calibration.space import Unknown
+from abradem.dataset.power_fit import design, wear_exponents
 from abradem.quantities import wear_column
 
 BINS = 4

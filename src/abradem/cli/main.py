@@ -172,7 +172,7 @@ def _check_config(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> int:
-    from abradem.config import rate_options, read_config, setup_dict
+    from abradem.config import rate_options, read_config, setup_dict, target_dict
     from abradem.simulation.batch import run_case
     from abradem.store.files import why_not_written
 
@@ -202,7 +202,7 @@ def _simulate(options: argparse.Namespace) -> int:
     print(f"case {options.case}: {run['status']}, {run['simulated_time']:g} s simulated")
     if run["status"] != "ok":
         return NOT_OK
-    print(_wear_line(tables, row, setup, rate_options(config)))
+    print(_wear_line(tables, row, setup, rate_options(config), target_dict(config)))
     return 0
 
 
@@ -261,32 +261,37 @@ def _existing(folder: Path) -> Path:
     return folder
 
 
-def _wear_line(tables: dict, row: dict, setup: dict, options: dict) -> str:
-    """Two lines with the wear rate of a simulated case: plate mean, and other statistics."""
+def _wear_line(tables: dict, row: dict, setup: dict, options: dict, target: dict) -> str:
+    """Two lines with the wear rates of a case: the study's target, and its other statistics."""
     import pandas as pd
 
     from abradem.dem.model import Setup
-    from abradem.quantities import STATISTICS, wear_column
+    from abradem.quantities import STATISTICS, stderr_column, wear_column
+    from abradem.simulation.batch import TABLES
     from abradem.wear.rates import wear_rates
-    from abradem.words.labels import STATISTIC_WORDS
+    from abradem.words.wear import WearTarget
 
     rates = wear_rates(
-        tables["series"],
-        tables["maps"],
-        tables["runs"],
-        pd.DataFrame([row]),
-        Setup.from_dict(setup),
+        **{name: tables[name] for name in TABLES},
+        cases=pd.DataFrame([row]),
+        setup=Setup.from_dict(setup),
         **options,
     ).iloc[0]
-    mean, error = rates["wear_total_mean"], rates["wear_total_mean_stderr"]
-    places = ", ".join(
-        f"{STATISTIC_WORDS[statistic]} {rates[wear_column('total', statistic)]:.4g} mm/s"
+    said = WearTarget(**target)
+    others = (
+        said._replace(name=wear_column(said.measure, statistic))
         for statistic in STATISTICS
-        if statistic != "mean"
+        if statistic != said.statistic
+    )
+    places = ", ".join(
+        f"{one.place} {rates[one.name]:.4g} (standard error "
+        f"{rates[stderr_column(one.name)]:.2g}) mm/s"
+        for one in others
     )
     return (
-        f"wear depth rate {mean:.6g} mm/s, standard error {error:.2g} mm/s "
-        f"(total, mean over the plate), quality {rates['quality']}\n{places}"
+        f"wear depth rate {rates[said.name]:.6g} mm/s, standard error "
+        f"{rates[stderr_column(said.name)]:.2g} mm/s ({said.measure}, {said.place}), quality "
+        f"{rates['quality']}\n{places}"
     )
 
 

@@ -21,7 +21,8 @@ from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
 from abradem.learning.number_text import number_or_words
 from abradem.quantities import SAMPLED
 from abradem.surrogate.model import Prediction, PredictionError, Surrogate
-from abradem.words.labels import LABELS, wear_words
+from abradem.words.labels import LABELS
+from abradem.words.wear import wear_words
 
 NO_END = "any number of"
 
@@ -130,6 +131,7 @@ def _predict_case(
     warn(prediction.warnings)
     rate, low, high = (float(column[0]) for column in prediction[:3])
     name, unit = (surrogate.description["target"][key] for key in ("name", "unit"))
+    place = place_words(surrogate)
     presets = sorted(
         (value_text(quantity, given.values[quantity]), origin)
         for quantity, origin in given.origins.items()
@@ -140,7 +142,7 @@ def _predict_case(
         print(f"from the preset {presets[0][1]}: {values}", file=sys.stderr)
     print(
         f"wear depth rate {rate:.4g} {unit}, {level_text(prediction, surrogate)} interval "
-        f"{low:.4g} to {number_or_words(high, '.4g', NO_END)} {unit} ({name}: {wear_words(name)})"
+        f"{low:.4g} to {number_or_words(high, '.4g', NO_END)} {unit} ({name}: {place})"
     )
     if depth is not None:
         middle, least, most = (float(column[0]) for column in prediction.hours_to(depth))
@@ -159,11 +161,17 @@ def level_text(prediction: Prediction, surrogate: Surrogate) -> str:
     return text
 
 
+def place_words(surrogate: Surrogate) -> str:
+    """Return of what place of the plate the rate is that a surrogate predicts."""
+    target = surrogate.description["target"]
+    return wear_words(target["name"], target.get("element_size"))
+
+
 def depth_words(surrogate: Surrogate) -> str:
     """Return of what the depth is that a surrogate predicts, in words."""
-    name = surrogate.description["target"]["name"]
-    words = f"depth {wear_words(name)}"
-    return words if name.endswith("_max") else f"{words}; single places are worn deeper"
+    words = f"depth {place_words(surrogate)}"
+    worst = surrogate.description["target"]["name"].endswith("_max")
+    return words if worst else f"{words}; single places are worn deeper"
 
 
 def default_model(config: Path = Path("config.yaml")) -> str:

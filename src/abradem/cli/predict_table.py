@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.cli.given_values import Given, value_text
-from abradem.cli.predict import depth_words, level_text, warn
+from abradem.cli.predict import depth_words, level_text, place_words, warn
 from abradem.dataset.known_names import normal
 from abradem.dataset.user_table import (
     UserTable,
@@ -27,7 +27,7 @@ from abradem.dataset.user_table import (
 from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, quantity
 from abradem.store.files import TableError, replacing, write_text
 from abradem.surrogate.model import PredictionError, Surrogate
-from abradem.words.labels import LABELS, wear_words
+from abradem.words.labels import LABELS
 
 FROM_DERIVED = {
     "particle_shear_modulus": (
@@ -83,7 +83,7 @@ def predict_table(
         ) from None
     warn(prediction.warnings)
     description = surrogate.description["target"]
-    words = wear_words(description["name"])
+    words = place_words(surrogate)
     interval = level_text(prediction, surrogate)
     columns = {
         "wear_depth_rate": (prediction.rate, description["unit"], f"wear depth rate, {words}"),

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         rate_options,
         sampled_ranges,
         setup_dict,
+        target_dict,
         to_yaml,
         typical_case,
     )
@@ -46,6 +47,7 @@ _LAZY = {
     "sampled_ranges": "values",
     "schema": "reference",
     "setup_dict": "values",
+    "target_dict": "values",
     "to_yaml": "values",
     "typical_case": "values",
 }
@@ -63,6 +65,7 @@ __all__ = [
     "sampled_ranges",
     "schema",
     "setup_dict",
+    "target_dict",
     "to_yaml",
     "typical_case",
 ]

@@ -328,7 +328,7 @@ class Stop(Section):
     """Stop rule: when a simulation ends."""
 
     window_s: float = _key(
-        2.5,
+        2.0,
         "Steady time over which the wear of the facets is recorded; also the shortest steady time "
         "that is simulated.",
         unit="s",
@@ -336,11 +336,11 @@ class Stop(Section):
         le=10_000.0,
     )
     max_time_s: float = _key(
-        10.0, "Longest simulated time of a case.", unit="s", gt=0.0, le=100_000.0
+        8.0, "Longest simulated time of a case.", unit="s", gt=0.0, le=100_000.0
     )
     target_stderr: float = _key(
         0.2,
-        "A case ends when the relative standard error of its plate-mean wear rate is at most this.",
+        "A case ends when its mean `total` rate is known to this relative standard error.",
         gt=0.0,
         le=1.0,
     )
@@ -391,11 +391,11 @@ class Simulation(Section):
         "particle in every step. Both give bitwise equal results.",
     )
     time_step_rayleigh_fraction: float = _key(
-        0.15,
+        0.2,
         "Time step as a fraction of the Rayleigh time of the particle. With 0.15 an impact near "
-        "5 m/s takes about 21 steps, and the bias averaged over the impact angle is at most 0.8 % "
-        "for total, 1.0 % for sliding and 0.1 % for friction; with the paper's 0.2 it is 1.3 %, "
-        "2.6 % and 0.2 %.",
+        "5 m/s takes about 21 steps; the bias of total is at most 0.8 % averaged over the impact "
+        "angle and at most 3 % at a single angle, with the paper's 0.2 1.3 % and 5 %. A case "
+        "whose first impact the step biases by more than 5 % is refused.",
         ge=0.001,
         le=0.4,
     )

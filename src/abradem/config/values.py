@@ -46,6 +46,21 @@ def rate_options(config: Config) -> dict:
     }
 
 
+def target_dict(config: Config) -> dict:
+    """Return the target of the study as arguments of `abradem.words.wear.WearTarget`, SI units.
+
+    The size of the elements of an external table is not known.
+    """
+    size = config.wear_rate.element_size_mm
+    if size is None:
+        size = config.simulation.plate.facet_size_mm
+    simulated = config.dataset.external is None
+    return {
+        "name": config.learning.target,
+        "element_size": size / 1000.0 if simulated else None,
+    }
+
+
 def setup_dict(config: Config) -> dict:
     """Return the arguments of `abradem.Setup` as plain JSON values, SI units.
 

@@ -9,7 +9,14 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset.features import derive
-from abradem.quantities import FEATURE_NAMES, SAMPLED, STATISTICS, WEAR_COLUMNS, wear_column
+from abradem.quantities import (
+    FEATURE_NAMES,
+    SAMPLED,
+    STATISTICS,
+    STDERR_COLUMNS,
+    WEAR_COLUMNS,
+    wear_column,
+)
 from abradem.store.columns import COLUMNS, KEYS
 from abradem.store.files import TableError
 
@@ -17,7 +24,7 @@ DATASET_COLUMNS: tuple[str, ...] = (
     *KEYS,
     *FEATURE_NAMES,
     *WEAR_COLUMNS,
-    "wear_total_mean_stderr",
+    *STDERR_COLUMNS,
     "wear_r2",
     "steady_from",
     "simulated_time",
@@ -53,7 +60,7 @@ _NOT_NEGATIVE = (
     "equipment_poisson_ratio",
     "rolling_friction",
     "static_friction",
-    "wear_total_mean_stderr",
+    *STDERR_COLUMNS,
     *(wear_column("total", statistic) for statistic in STATISTICS if statistic != "mean"),
     *(wear_column("sliding", statistic) for statistic in STATISTICS),
 )
@@ -106,8 +113,8 @@ def join(
         "case_id", "status", "steady_from", "simulated_time", "delivered_rate", "face_share",
     ]  # fmt: skip
     rate_columns = [
-        "case_id", *WEAR_COLUMNS, "wear_total_mean_stderr", "wear_r2", "worn_volume_rate",
-        "wear_per_kg", "quality",
+        "case_id", *WEAR_COLUMNS, *STDERR_COLUMNS, "wear_r2", "worn_volume_rate", "wear_per_kg",
+        "quality",
     ]  # fmt: skip
     table = table.merge(runs[run_columns], on="case_id", how="left", validate="1:1")
     table = table.merge(rates[rate_columns], on="case_id", how="left", validate="1:1")

@@ -1,4 +1,7 @@
-"""Awake and sleeping particles, and the near partners of the awake ones: see `islands`."""
+"""What is planned for each particle: the cell it is in, when it is due, what it can touch.
+
+See `islands`.
+"""
 
 from __future__ import annotations
 
@@ -8,27 +11,76 @@ import numpy as np
 
 from abradem.dem.borrow import borrowed
 from abradem.dem.cache import kernel
-from abradem.dem.state import PAIR, Problem
+from abradem.dem.state import Problem
 
 SLOTS = 32
 """Largest number of near partners in a row: at most about 17 particles fit within three radii."""
 
 NEVER = 2**62
-FAR = 1e9
 
-NEAR = np.dtype([("next_check", np.int64), *PAIR.descr])
-CLOCK = np.dtype(
+CROWD, THIN = 0.28, 0.2
+"""Shares of the particles that touch something, above which `synchronous` takes over and up to
+which it hands back. What is faster changes between these shares, see docs/notes/performance.md."""
+
+FEW, TALL = 256, 4.0
+"""Room for particles up to which cells are taller than wide, by this factor: a thin jet then falls
+through fewer cells, and few particles are in each."""
+
+RING = 4096
+"""Number of slots of the queue, a power of two. Slot ``step % RING`` lists who is due at a step."""
+
+# Plan of one particle. Lists are linked in both directions by index; -1 ends them.
+PLAN = np.dtype(
     [
         ("awake", np.int64),
-        ("next_due", np.int64),
-        ("limit", np.float64),
-        # The grid of cells: the step at which it was built, and the number of particles in it.
-        ("grid_step", np.int64),
-        ("grid_live", np.int64),
-        # Whether `synchronous` does the stepping at present.
-        ("crowded", np.int64),
+        # Speed that an awake particle is assumed not to exceed, m/s, and the square of the
+        # distance that it covers in a step at this speed, m2.
+        ("pace", np.float64),
+        ("stride2", np.float64),
+        # Row: number of partners, first step at which the row needs attention, and last step for
+        # which it is complete (-1: there is no row).
+        ("row_size", np.int64),
+        ("row_next", np.int64),
+        ("row_until", np.int64),
+        # Relative speed of the contacts that began in this step, m/s.
+        ("impact", np.float64),
+        # Flying particle: first step at which it can touch the plate or fall below the removal
+        # level, at which it can touch a flying one, at which it has left its cell, and the
+        # earliest of these.
+        ("due", np.int64),
+        ("plate_due", np.int64),
+        ("meet_due", np.int64),
+        ("leave_due", np.int64),
+        ("queue_next", np.int64),
+        ("queue_previous", np.int64),
+        ("cell", np.int64),
+        ("cell_next", np.int64),
+        ("cell_previous", np.int64),
     ]
 )
+
+NEAR = np.dtype([("j", np.int64), ("next_check", np.int64)])
+
+CLOCK = np.dtype(
+    [
+        # Number of awake particles.
+        ("awake", np.int64),
+        # Number of contacts that begin in this step.
+        ("begun", np.int64),
+        # Cells per axis of the grid: two to this power; 0: lists of cells and queue are not valid.
+        ("bits", np.int64),
+        # Height of a cell in terms of its width.
+        ("tall", np.float64),
+        # Whether `synchronous` does the stepping at present, and the shares of particles in contact
+        # above which it takes over and at which it hands back.
+        ("crowded", np.int64),
+        ("crowd", np.float64),
+        ("thin", np.float64),
+    ]
+)
+
+NEIGHBOURS, DUE, LANDED = 0, 1, 2
+"""Uses of `Agenda.lists`."""
 
 
 class Agenda(NamedTuple):
@@ -37,65 +89,55 @@ class Agenda(NamedTuple):
     Attributes
     ----------
     clock : ndarray of CLOCK, shape (1,)
-        Number of awake particles, earliest due step of all sleeping particles, speed limit (m/s).
-    awake : ndarray, shape (capacity,)
+    plans : ndarray of PLAN, shape (capacity,)
+    awake : ndarray of int, shape (capacity,)
         Indices of the awake particles, ascending.
-    asleep : ndarray of bool, shape (capacity,)
-    due : ndarray, shape (capacity,)
-        A sleeping particle touches nothing before this step.
-    flights : ndarray, shape (7, capacity)
-        Anchors of all flying particles, x y z vx vy vz step, in one array for fast loops over
-        all particles; x is `FAR` for particles that do not fly.
-    scratch : ndarray, shape (capacity,)
-        Working memory, for example squared distances to all particles, m2.
-    grid_first, grid_member : ndarray, shape (4 capacity + 1,) and (capacity,)
-        Index at which each slot of the grid begins in ``grid_member``, and the particles sorted
-        by the slot of their cell.
-    grid_cell : ndarray, shape (capacity, 3)
-        Cell of each particle.
-    row_size, row_next, row_until : ndarray, shape (capacity,)
-        Number of partners in the row of an awake particle, the first step at which it can touch
-        one of them, and the last step for which the row is complete.
     rows : ndarray of NEAR, shape (capacity, SLOTS)
-        Partners in ascending order. The memory of a contact is in the row of the lower index.
+        Near partners of an awake particle, each with the step before which they cannot touch.
+    queue : ndarray of int, shape (RING,)
+        First sleeping particle of each slot of the queue.
+    cells : ndarray of int, shape (cells,)
+        First particle of each cell.
+    lists : ndarray of int, shape (3, capacity)
+        Working memory: lists of particles.
+    begun : ndarray of int, shape (8 capacity,)
+        Contacts that begin in this step, ascending: first index times 2^32 plus the second.
     """
 
     clock: np.ndarray
+    plans: np.ndarray
     awake: np.ndarray
-    asleep: np.ndarray
-    due: np.ndarray
-    flights: np.ndarray
-    scratch: np.ndarray
-    grid_first: np.ndarray
-    grid_member: np.ndarray
-    grid_cell: np.ndarray
-    row_size: np.ndarray
-    row_next: np.ndarray
-    row_until: np.ndarray
     rows: np.ndarray
+    queue: np.ndarray
+    cells: np.ndarray
+    lists: np.ndarray
+    begun: np.ndarray
 
 
 def make_agenda(problem: Problem, capacity: int) -> Agenda:
     """Return an empty agenda with room for ``capacity`` particles."""
     agenda = Agenda(
         clock=np.zeros(1, CLOCK),
+        plans=np.zeros(capacity, PLAN),
         awake=np.zeros(capacity, np.int64),
-        asleep=np.zeros(capacity, np.bool_),
-        due=np.full(capacity, NEVER),
-        flights=np.full((7, capacity), FAR),
-        scratch=np.zeros(capacity),
-        grid_first=np.zeros(4 * capacity + 1, np.int64),
-        grid_member=np.zeros(capacity, np.int64),
-        grid_cell=np.zeros((capacity, 3), np.int64),
-        row_size=np.zeros(capacity, np.int64),
-        row_next=np.zeros(capacity, np.int64),
-        row_until=np.zeros(capacity, np.int64),
         rows=np.zeros((capacity, SLOTS), NEAR),
+        queue=np.full(RING, -1),
+        cells=np.full(8 ** _bits(capacity), -1),
+        lists=np.zeros((3, capacity), np.int64),
+        begun=np.zeros(8 * capacity, np.int64),
     )
-    agenda.clock["next_due"] = NEVER
-    # Any positive start value is valid: the limit is raised when a particle is faster.
-    agenda.clock["limit"] = problem.radius / problem.dt * 1e-3
+    agenda.clock["bits"] = _bits(capacity)
+    agenda.clock["tall"] = TALL if capacity <= FEW else 1.0
+    agenda.clock["crowd"], agenda.clock["thin"] = CROWD, THIN
     return agenda
+
+
+def _bits(capacity: int) -> int:
+    """Return the power of two of the number of cells per axis: at least two cells a particle."""
+    bits = 3
+    while 8**bits < 2 * capacity:
+        bits += 1
+    return bits
 
 
 def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
@@ -103,10 +145,10 @@ def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
     larger = make_agenda(problem, capacity)
     size = agenda.awake.size
     larger.clock[:] = agenda.clock
-    # The grid is not copied; it is built again at its next use.
-    larger.clock["grid_live"] = 0
-    larger.flights[:, :size] = agenda.flights
-    for name in ("awake", "asleep", "due", "row_size", "row_next", "row_until", "rows"):
+    larger.clock["tall"] = TALL if capacity <= FEW else 1.0
+    # Lists of cells and queue are built again at their next use.
+    larger.clock["bits"] = 0
+    for name in ("plans", "awake", "rows"):
         getattr(larger, name)[:size] = getattr(agenda, name)
     return larger
 
@@ -115,27 +157,36 @@ def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
 def borrowed_agenda(agenda):
     return Agenda(
         borrowed(agenda.clock),
+        borrowed(agenda.plans),
         borrowed(agenda.awake),
-        borrowed(agenda.asleep),
-        borrowed(agenda.due),
-        borrowed(agenda.flights),
-        borrowed(agenda.scratch),
-        borrowed(agenda.grid_first),
-        borrowed(agenda.grid_member),
-        borrowed(agenda.grid_cell),
-        borrowed(agenda.row_size),
-        borrowed(agenda.row_next),
-        borrowed(agenda.row_until),
         borrowed(agenda.rows),
+        borrowed(agenda.queue),
+        borrowed(agenda.cells),
+        borrowed(agenda.lists),
+        borrowed(agenda.begun),
     )
 
 
 @kernel(inline=True)
-def record_flight(agenda, particle, i):
-    agenda.flights[0, i] = particle.anchor_x
-    agenda.flights[1, i] = particle.anchor_y
-    agenda.flights[2, i] = particle.anchor_z
-    agenda.flights[3, i] = particle.vx
-    agenda.flights[4, i] = particle.vy
-    agenda.flights[5, i] = particle.vz
-    agenda.flights[6, i] = particle.anchor_step
+def enqueue(agenda, i):
+    """Enter sleeping particle i in the queue at its due step."""
+    plan = agenda.plans[i]
+    plan.due = min(plan.plate_due, min(plan.meet_due, plan.leave_due))
+    slot = plan.due & (RING - 1)
+    first = agenda.queue[slot]
+    plan.queue_next, plan.queue_previous = first, -1
+    if first >= 0:
+        agenda.plans[first].queue_previous = i
+    agenda.queue[slot] = i
+
+
+@kernel(inline=True)
+def dequeue(agenda, i):
+    """Remove sleeping particle i from the queue."""
+    plan = agenda.plans[i]
+    if plan.queue_previous >= 0:
+        agenda.plans[plan.queue_previous].queue_next = plan.queue_next
+    else:
+        agenda.queue[plan.due & (RING - 1)] = plan.queue_next
+    if plan.queue_next >= 0:
+        agenda.plans[plan.queue_next].queue_previous = plan.queue_previous

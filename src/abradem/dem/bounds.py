@@ -11,12 +11,16 @@ import math
 
 import numpy as np
 
-from abradem.dem.agenda import FAR, NEVER
+from abradem.dem.agenda import NEVER
 from abradem.dem.cache import kernel
 from abradem.dem.vectors import dot
 
 SAFETY = 1e-7
 """Relative enlargement of radii in predictions, far above the rounding error."""
+
+ALMOST_ONE = 1.0 - 1e-6
+"""Added to a number of steps before its fraction is dropped: one less than 1 by more than the
+rounding error of the number."""
 
 
 @kernel(inline=True)
@@ -66,76 +70,65 @@ def time_to_plate(problem, x, y, z, vx, vy, vz):
 
 
 @kernel(inline=True)
+def first_time_beyond(down, up, v, gravity):
+    """First time at which a thrown particle is ``down`` below or ``up`` above its place, s.
+
+    The distances are positive and ``v`` is its upward speed.
+    """
+    if v > 0.0:
+        discriminant = v * v - 2.0 * gravity * up
+        if discriminant >= 0.0:
+            return 2.0 * up / (v + math.sqrt(discriminant))
+    fall = math.sqrt(v * v + 2.0 * gravity * down)
+    if v <= 0.0:
+        return 2.0 * down / (fall - v)
+    return (fall + v) / gravity
+
+
+@kernel(inline=True)
 def due_step(problem, now, time):
-    """Lattice step before which an event ``time`` s ahead cannot happen, despite rounding."""
+    """First lattice step at which an event at least ``time`` s ahead can have happened."""
     steps = time / problem.dt
     if steps > 1e15:
         return NEVER
-    return now + np.int64(steps)
+    return now + np.int64(steps + ALMOST_ONE)
 
 
 @kernel(inline=True)
-def _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz):
-    """Position and velocity of a flying particle relative to flying particle j at ``now``."""
-    time = problem.dt * (now - flights[6, j])
-    fall = problem.gravity * time
-    return (
-        x - (flights[0, j] + flights[3, j] * time),
-        y - (flights[1, j] + (flights[4, j] - 0.5 * fall) * time),
-        z - (flights[2, j] + flights[5, j] * time),
-        vx - flights[3, j],
-        vy - (flights[4, j] - fall),
-        vz - flights[5, j],
-    )
+def time_to_meet(reach2, p, u, distance2):
+    """Time until two flying particles are within reach, s, or infinity.
 
-
-@kernel(inline=True)
-def miss_distances(problem, flights, out, live, now, x, y, z, vx, vy, vz):
-    """Square of the smallest distance of a flying particle to each other flying particle, m2.
-
-    Both have the same acceleration, so the relative motion is a straight line. The loop has no
-    branches, so that the compiler can vectorise it.
+    Both have the same acceleration, so the relative motion is a straight line: p + u t.
     """
-    for j in range(live):
-        px, py, pz, ux, uy, uz = _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz)
-        nearing = max(-(px * ux + py * uy + pz * uz), 0.0)
-        speed2 = ux * ux + uy * uy + uz * uz + 1e-300
-        away = FAR if nearing == 0.0 else 0.0
-        out[j] = away + (px * px + py * py + pz * pz) - nearing * nearing / speed2
-
-
-@kernel(inline=True)
-def time_to_meet(problem, flights, j, now, x, y, z, vx, vy, vz):
-    """Time until a flying particle can touch flying particle j, s, or infinity."""
-    px, py, pz, ux, uy, uz = _relative_flight(problem, flights, j, now, x, y, z, vx, vy, vz)
-    reach = 2.0 * problem.radius * (1.0 + SAFETY)
-    gap2 = max(px * px + py * py + pz * pz - reach * reach, 0.0)
-    nearing = -(px * ux + py * uy + pz * uz)
-    discriminant = max(nearing * nearing - (ux * ux + uy * uy + uz * uz) * gap2, 0.0)
+    nearing = -dot(p, u)
     if nearing <= 0.0:
+        return np.inf
+    gap2 = max(distance2 - reach2, 0.0)
+    discriminant = nearing * nearing - dot(u, u) * gap2
+    if discriminant < 0.0:
         return np.inf
     return gap2 / (nearing + math.sqrt(discriminant))
 
 
 @kernel(inline=True)
-def distances(problem, flights, out, live, now, x, y, z):
-    """Square of the distance of a point to every flying particle at step ``now``, m2."""
-    for j in range(live):
-        time = problem.dt * (now - flights[6, j])
-        dx = x - (flights[0, j] + flights[3, j] * time)
-        dy = y - (flights[1, j] + (flights[4, j] - 0.5 * problem.gravity * time) * time)
-        dz = z - (flights[2, j] + flights[5, j] * time)
-        out[j] = dx * dx + dy * dy + dz * dz
+def time_to_reach(reach, p, u, distance2, pace):
+    """Lower bound of the time until p + u t is within a sphere that grows, s, or infinity.
+
+    The radius of the sphere around the origin is ``reach + pace t``, which is the first root of a
+    quadratic equation.
+    """
+    gap2 = max(distance2 - reach * reach, 0.0)
+    nearing = reach * pace - dot(p, u)
+    discriminant = nearing * nearing - (dot(u, u) - pace * pace) * gap2
+    if discriminant < 0.0:
+        return np.inf
+    speed = nearing + math.sqrt(discriminant)
+    if speed <= 0.0:
+        return np.inf
+    return gap2 / speed
 
 
 @kernel(inline=True)
 def centre_distance2(a, b):
     apart = (a.x - b.x, a.y - b.y, a.z - b.z)
     return dot(apart, apart)
-
-
-@kernel(inline=True)
-def steps_to_close(problem, limit, distance2):
-    """Number of steps in which two particles at the speed limit cannot close their gap."""
-    gap = math.sqrt(distance2) - 2.0 * problem.radius * (1.0 + SAFETY)
-    return np.int64(math.floor(gap / (2.0 * limit * problem.dt)))

@@ -142,8 +142,36 @@ def rotated(spring, n):
 
 
 @kernel(inline=True)
+def slip_share(spring, damping, room):
+    """Return the share of the tangential velocity with which a slipping contact slips.
+
+    Spring f and damper act side by side, in series with the friction mu F_n. While the contact
+    slips, f and the part w of the velocity that the damper takes hold the limit,
+    |f - c_t w v_t| = mu F_n; the share 1 - w is slip. It grows from 0 where the trial force
+    reaches the limit to 1 where the spring alone does, so it needs no flag. In the plane of an
+    impact the slip velocity is v_t - (mu F_n - f)/c_t.
+
+    Parameters
+    ----------
+    spring : tuple of float
+        Spring force f, limited to mu F_n, N.
+    damping : tuple of float
+        Damping force -c_t v_t of the trial force, N.
+    room : float
+        (mu F_n)^2 - f^2, N2.
+    """
+    along, damping2 = dot(spring, damping), dot(damping, damping)
+    if damping2 == 0.0:
+        return 1.0
+    # The positive root of w^2 D^2 + 2 w f.D = room, without the difference of two close numbers.
+    root = math.sqrt(fma(damping2, room, along * along))
+    taken = room / (along + root) if along > 0.0 else (root - along) / damping2
+    return max(1.0 - taken, 0.0)
+
+
+@kernel(inline=True)
 def tangential_force(law, fn, s, q, spring, k_before, du, vt):
-    """Return the tangential force, the new spring, its stiffness, stored energy and slip flag.
+    """Return the tangential force, new spring, its stiffness, stored energy and share of slip.
 
     Parameters
     ----------
@@ -175,7 +203,9 @@ def tangential_force(law, fn, s, q, spring, k_before, du, vt):
     cap2 = cap * cap
     stretched2 = dot(stretched, stretched)
     slips = False
+    damping = (0.0, 0.0, 0.0)
     if law.tangential_damping == DAMPING_CAPPED:
+        damping = scaled(vt, -(law.ct * q))
         force = plus(stretched, -(law.ct * q), vt)
         trial2 = dot(force, force)
         if trial2 > cap2:
@@ -193,12 +223,13 @@ def tangential_force(law, fn, s, q, spring, k_before, du, vt):
     if stretched2 > cap2:
         stretched = scaled(stretched, cap / math.sqrt(stretched2))
         stretched2 = cap2
+    slip = slip_share(stretched, damping, cap2 - stretched2) if slips else 0.0
     energy = 0.5 * stretched2 / k
     if law.incremental:
         spring = stretched
     else:
         spring = (-stretched[0] / k, -stretched[1] / k, -stretched[2] / k)
-    return force, spring, k, energy, slips
+    return force, spring, k, energy, slip
 
 
 @kernel(inline=True)

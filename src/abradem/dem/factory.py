@@ -11,7 +11,9 @@ import math
 
 import numpy as np
 
+from abradem.dem.agenda import NEIGHBOURS
 from abradem.dem.cache import kernel
+from abradem.dem.cells import cell_of, enter_cell, list_neighbours
 from abradem.dem.counter_random import uniform
 from abradem.dem.plate import plate_distance
 from abradem.dem.state import (
@@ -22,6 +24,7 @@ from abradem.dem.state import (
     NOT_YET,
     STOP_RELEASE,
     energy_of,
+    flying_place,
     kinetic_energy_of,
 )
 
@@ -39,20 +42,45 @@ def release_step(problem, k):
     return np.int64(math.ceil(step))
 
 
-@kernel
+@kernel(inline=True)
+def _overlap(problem, x, y, z, other):
+    dx, dy, dz = x - other[0], y - other[1], z - other[2]
+    return dx * dx + dy * dy + dz * dz < 4.0 * problem.radius * problem.radius
+
+
+@kernel(inline=True)
 def _is_free(problem, particles, x, y, z, near, near_count):
     """Whether a new particle at (x, y, z) overlaps neither the plate nor a near particle."""
     for k in range(near_count):
         other = particles[near[k]]
-        dx, dy, dz = x - other.x, y - other.y, z - other.z
-        if dx * dx + dy * dy + dz * dz < 4.0 * problem.radius * problem.radius:
+        if _overlap(problem, x, y, z, (other.x, other.y, other.z)):
+            return False
+    return plate_distance(problem.plate, x, y, z)[0] >= problem.radius
+
+
+@kernel(inline=True)
+def _is_free_in_cells(problem, state, agenda, x, y, z):
+    """Whether a new particle at (x, y, z) overlaps neither the plate nor a particle in the cells.
+
+    The positions of flying particles in the state may be those of an earlier step.
+    """
+    cell = cell_of(problem, agenda, x, y, z)
+    for m in range(list_neighbours(agenda, cell, -1)):
+        other = state.particles[agenda.lists[NEIGHBOURS, m]]
+        place = (other.x, other.y, other.z)
+        if other.motion == FLYING:
+            place = flying_place(problem, other, state.tally[0].step)
+        if _overlap(problem, x, y, z, place):
             return False
     return plate_distance(problem.plate, x, y, z)[0] >= problem.radius
 
 
 @kernel
-def _place(problem, state, place, velocity, spin):
+def _place(problem, state, agenda, place, velocity, spin):
     """Add a particle with the given position, velocity and spin at the current step."""
+    if agenda is not None:
+        cell = cell_of(problem, agenda, place[0], place[1], place[2])
+        enter_cell(agenda, state.tally[0].live, cell)
     tally = state.tally[0]
     new = tally.live
     particle = state.particles[new]
@@ -69,7 +97,7 @@ def _place(problem, state, place, velocity, spin):
     particle.plate_fn = 0.0
     particle.plate_tx = particle.plate_ty = particle.plate_tz = 0.0
     particle.plate_energy = 0.0
-    particle.plate_slips = 0
+    particle.plate_slip = 0.0
     tally.live = new + 1
     tally.placed += 1
     tally.draws = 0
@@ -78,26 +106,31 @@ def _place(problem, state, place, velocity, spin):
 
 
 @kernel
-def release_due(problem, schedule, state):
-    """Release every particle that is due at the current step; return the outcome."""
+def release_due(problem, schedule, state, agenda):
+    """Release every particle that is due at the current step; return the outcome.
+
+    With an agenda, particles in the way are found in its cells, and new ones are entered there.
+    If it is None, all particles are examined. Both give the same.
+    """
     if problem.scheduled:
-        return _release_scheduled(problem, schedule, state)
-    return _release_from_patch(problem, state)
+        return _release_scheduled(problem, schedule, state, agenda)
+    return _release_from_patch(problem, state, agenda)
 
 
 @kernel
-def _release_from_patch(problem, state):
+def _release_from_patch(problem, state, agenda):
     tally, particles = state.tally[0], state.particles
     # Only particles near the patch can overlap a new one.
     far = math.hypot(problem.patch_half_length, problem.patch_half_width) + 2.0 * problem.radius
-    near = np.empty(particles.size, np.int64)
     near_count = 0
-    for j in range(tally.live):
-        other = particles[j]
-        dy = other.y - problem.patch_height
-        if other.motion != GONE and other.x**2 + dy**2 + other.z**2 < far * far:
-            near[near_count] = j
-            near_count += 1
+    if agenda is None:
+        near = np.empty(particles.size, np.int64)
+        for j in range(tally.live):
+            other = particles[j]
+            dy = other.y - problem.patch_height
+            if other.motion != GONE and other.x**2 + dy**2 + other.z**2 < far * far:
+                near[near_count] = j
+                near_count += 1
 
     while release_step(problem, tally.placed) <= tally.step:
         if tally.live == particles.size:
@@ -111,11 +144,16 @@ def _release_from_patch(problem, state):
             x = along * problem.patch_cos
             y = problem.patch_height + along * problem.patch_sin
             z = problem.patch_half_width * (2.0 * v - 1.0)
-            if _is_free(problem, particles, x, y, z, near, near_count):
-                near[near_count] = tally.live
-                near_count += 1
+            if agenda is None:
+                free = _is_free(problem, particles, x, y, z, near, near_count)
+            else:
+                free = _is_free_in_cells(problem, state, agenda, x, y, z)
+            if free:
+                if agenda is None:
+                    near[near_count] = tally.live
+                    near_count += 1
                 velocity = (0.0, problem.release_speed, 0.0)
-                _place(problem, state, (x, y, z), velocity, (0.0, 0.0, 0.0))
+                _place(problem, state, agenda, (x, y, z), velocity, (0.0, 0.0, 0.0))
                 placed = True
                 break
         if not placed:
@@ -126,26 +164,28 @@ def _release_from_patch(problem, state):
 
 
 @kernel
-def _release_scheduled(problem, schedule, state):
+def _release_scheduled(problem, schedule, state, agenda):
     tally, particles = state.tally[0], state.particles
     total = schedule.step.size
     while tally.placed < total and schedule.step[tally.placed] <= tally.step:
         if tally.live == particles.size:
             return NEEDS_ROOM
-        near = np.empty(tally.live, np.int64)
-        near_count = 0
-        for j in range(tally.live):
-            if particles[j].motion != GONE:
-                near[near_count] = j
-                near_count += 1
-        at, v, w = (
-            schedule.position[tally.placed],
-            schedule.velocity[tally.placed],
-            schedule.spin[tally.placed],
-        )
-        if not _is_free(problem, particles, at[0], at[1], at[2], near, near_count):
+        at = schedule.position[tally.placed]
+        place = (at[0], at[1], at[2])
+        if agenda is None:
+            near = np.empty(tally.live, np.int64)
+            near_count = 0
+            for j in range(tally.live):
+                if particles[j].motion != GONE:
+                    near[near_count] = j
+                    near_count += 1
+            free = _is_free(problem, particles, *place, near, near_count)
+        else:
+            free = _is_free_in_cells(problem, state, agenda, *place)
+        if not free:
             return STOP_RELEASE
-        _place(problem, state, (at[0], at[1], at[2]), (v[0], v[1], v[2]), (w[0], w[1], w[2]))
+        v, w = schedule.velocity[tally.placed], schedule.spin[tally.placed]
+        _place(problem, state, agenda, place, (v[0], v[1], v[2]), (w[0], w[1], w[2]))
     if tally.placed == total:
         tally.next_release = np.iinfo(np.int64).max
     else:

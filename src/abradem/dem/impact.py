@@ -15,6 +15,10 @@ from abradem.elastic import hertz_duration
 CONVERGED_STEPS = 500
 """Steps per contact if no time step is given."""
 
+SMALL_FRICTION = 0.05
+"""Share of ``total`` below which ``friction`` is not large enough to be the base of its bias."""
+
+_PHASES = (np.arange(16) + 0.5) / 16
 _PLANE = 1e3
 _MOST_STEPS = 10_000_000
 
@@ -153,3 +157,50 @@ def single_impact(
         friction_work=float(tally["worn_friction"]) * interaction.static_friction,
         time_step=problem.dt,
     )
+
+
+def step_bias(
+    case: Case, contact: ContactModel, time_step: float, speed: float, angle_deg: float
+) -> dict[str, float]:
+    """Return the bias of the wear of a particle's impact on the plate that a time step causes.
+
+    The reference has 500 steps per contact. The wear at ``time_step`` is averaged over the moment
+    within the step at which the surfaces meet.
+
+    Parameters
+    ----------
+    case : Case
+    contact : ContactModel
+    time_step : float
+        s.
+    speed : float
+        m/s.
+    angle_deg : float
+        Angle between velocity and normal, degrees; not 0, where nothing is worn.
+
+    Returns
+    -------
+    dict of str to float
+        Bias of ``total`` and, with friction, of ``friction`` as a share of the measure; that of
+        ``friction`` as a share of at least `SMALL_FRICTION` of ``total``.
+
+    Raises
+    ------
+    ValueError
+        If the particle overlaps the plate by more than 20 % of its radius.
+    """
+
+    def impact(step, phase):
+        return single_impact(
+            case.particle, case.particle_radius, case.plate, case.interaction, speed, angle_deg,
+            time_step=step, contact=contact, phase=phase,
+        )  # fmt: skip
+
+    fine = impact(None, 0.5)
+    coarse = [impact(time_step, float(phase)) for phase in _PHASES]
+    bias = {"total": float(np.mean([one.total for one in coarse])) / fine.total - 1.0}
+    mu = case.static_friction
+    if mu > 0.0:
+        error = float(np.mean([one.friction_work for one in coarse])) - fine.friction_work
+        bias["friction"] = error / max(fine.friction_work, SMALL_FRICTION * mu * fine.total)
+    return bias

@@ -1,22 +1,24 @@
-"""Fast stepping: only particles that can touch something are stepped.
+"""Fast stepping: only particles that touch something are stepped.
 
 Between contacts a particle moves on an exact parabola (`state.flight`), so it need not be stepped
-until it can touch something. A particle is *asleep* while a bound excludes a contact, and *awake*
-otherwise. Awake particles form islands of contact. They take the same steps as in `synchronous`,
-in the same order. If no particle is awake, the time jumps to the next bound.
+until it can touch something. A particle is *awake* while it touches something, and *asleep* while
+it flies. Awake particles take the same steps as in `synchronous`, in the same order. If no particle
+is awake, the time jumps to the next step at which one is due.
 
-All bounds are lower bounds of the lattice step at which a contact can begin:
+All bounds are lower bounds of the lattice step at which a contact can begin, and all are found
+among the particles in the cells around a particle (`cells`):
 
-- sleeping particle and plate or removal level: roots of the parabola;
+- sleeping particle and plate or removal level: roots of the parabola (`flights.plan_plate`);
 - two sleeping particles: gravity cancels, the relative motion is a straight line, and the closest
-  approach is exact;
-- awake particle and any other: a row of near partners, each with the step before which the gap
-  cannot close at the speed limit. The limit is valid for all flights (energy down to the removal
-  level) and is checked for every awake particle in every step. If a particle exceeds it, the limit
-  is raised and all rows are built again before the contacts of the step are searched.
+  approach is exact (`flights.plan_pairs`);
+- awake particle and any other: the row of one of them (`rows`).
 
-If hardly any particle sleeps because many are in contact, the bounds cost more than they save.
-`synchronous` then does the stepping until fewer particles touch.
+A sleeping particle is due, in a queue sorted by step, when it can touch something or is in another
+cell. So a step looks at the awake particles, at those that are due, and at nothing else.
+
+If most particles touch something, the bounds cost more than they save. `synchronous` then does the
+stepping until fewer touch: in a crowd of more than `SMALLEST_CROWD` particles it takes over if more
+than a share is awake, and hands back if at most another share touches something (`agenda`).
 
 A bound that is too early costs a little time but never misses a contact. Whether two particles
 touch is decided by the same expression as in `synchronous`. Both give bitwise equal results.
@@ -29,24 +31,25 @@ import math
 import numpy as np
 
 from abradem.dem import synchronous
-from abradem.dem.agenda import FAR, NEVER, SLOTS, borrowed_agenda, record_flight
-from abradem.dem.borrow import borrowed_state
-from abradem.dem.bounds import (
-    SAFETY,
-    centre_distance2,
-    due_step,
-    first_time_within,
-    miss_distances,
-    steps_to_close,
-    time_to_meet,
-    time_to_plate,
+from abradem.dem.agenda import (
+    DUE,
+    LANDED,
+    NEIGHBOURS,
+    NEVER,
+    RING,
+    borrowed_agenda,
+    dequeue,
+    enqueue,
 )
+from abradem.dem.borrow import borrowed_state
 from abradem.dem.cache import kernel
+from abradem.dem.cells import cell_of, enter_cell, leave_cell
 from abradem.dem.factory import release_due
+from abradem.dem.flights import plan_flights, plan_pairs
 from abradem.dem.motion import finish, fly_to, move, remove_if_fallen, touch_pair, touch_plate
 from abradem.dem.neighbours import compact
 from abradem.dem.plate import height_over
-from abradem.dem.rows import make_row, raise_limit
+from abradem.dem.rows import distance2_to, make_rows, note_in_row, steps_apart
 from abradem.dem.state import (
     DONE,
     FLYING,
@@ -55,23 +58,12 @@ from abradem.dem.state import (
     STOP_CROWDED,
     STOP_OVERLAP,
     TOUCHING,
-    WAKING,
-    fall,
-    flight,
+    fall_speed,
 )
 from abradem.dem.vectors import dot, scaled
 
-NAP = 4
-"""A particle that could sleep for at most this number of steps stays awake."""
-
-NAP_PER_PARTICLE = 0.15
-"""Increase of `NAP` for each particle present. Before a particle sleeps, all others are checked,
-and the check of one costs as much as this number of steps of an awake particle."""
-
 SMALLEST_CROWD = 256
-CROWDED, THINNED = 0.18, 0.10
-"""In a crowd of more than `SMALLEST_CROWD` particles `synchronous` takes over if more than the
-share `CROWDED` is awake, and hands back if at most the share `THINNED` touches something."""
+"""Number of particles from which on `synchronous` can take over."""
 
 CROWD_STEPS = 5000
 """Number of steps after which `synchronous` may hand back."""
@@ -90,277 +82,296 @@ def advance(problem, schedule, state, agenda, last_step):
             if outcome == DONE and not _resume_if_thinned(problem, state, agenda):
                 outcome = STOP_CROWDED
             continue
+        if clock.bits == 0 and not plan_all(problem, state, agenda):
+            outcome = STOP_CROWDED
+            break
         if tally.gone > 16 + tally.live // 8:
             _compact(state, agenda)
         if tally.step >= tally.next_release:
-            _refresh(problem, state)
             before = tally.live
-            outcome = release_due(problem, schedule, state)
-            if not _add_released(problem, state, agenda, before):
-                outcome = STOP_CROWDED
+            outcome = release_due(problem, schedule, state, agenda)
+            _plan_released(problem, state, agenda, before)
             if outcome != DONE:
                 break
-        if clock.next_due <= tally.step + 1 and not _wake_due(problem, state, agenda):
-            outcome = STOP_CROWDED
-            break
         if clock.awake == 0:
-            tally.step = min(clock.next_due - 1, tally.next_release, last_step)
-            continue
+            _jump(agenda, tally, min(tally.next_release, last_step))
+            if tally.step >= min(tally.next_release, last_step):
+                continue
         outcome = _step(problem, state, agenda)
-        if clock.awake > NAP + CROWDED * tally.live and tally.live > SMALLEST_CROWD:
-            _write_back(problem, state, agenda)
+        if clock.awake > clock.crowd * tally.live and tally.live > SMALLEST_CROWD:
+            _refresh(problem, state)
             # `synchronous` then builds its pair list in the first step.
             tally.drift = np.inf
             clock.crowded = 1
     if clock.crowded == 0:
-        _write_back(problem, state, agenda)
+        _refresh(problem, state)
     return outcome
+
+
+@kernel(inline=True)
+def _jump(agenda, tally, last):
+    """Advance the time, but not beyond step ``last``, to that before one with an entry due."""
+    step, end = tally.step, min(last, tally.step + RING)
+    while step < end and agenda.queue[(step + 1) & (RING - 1)] < 0:
+        step += 1
+    tally.step = step
 
 
 @kernel(inline=True)
 def _step(problem, state, agenda):
     """Advance the awake particles by one lattice step, in the same order as `synchronous`."""
     tally, particles, clock = state.tally[0], state.particles, agenda.clock[0]
-    awake, rows, facet_wear = agenda.awake, agenda.rows, state.facet_wear
+    awake, plans = agenda.awake, agenda.plans
     now = tally.step + 1
+    clock.begun = 0
+    hasty = 0
     for k in range(clock.awake):
-        if agenda.row_until[awake[k]] < now and not make_row(
-            problem, state, agenda, awake[k], tally.step
-        ):
-            return STOP_CROWDED
-
-    farthest2 = 0.0
-    for k in range(clock.awake):
-        particle = particles[awake[k]]
-        dx, dy, dz = move(problem, particle, tally.step)
-        farthest2 = max(farthest2, dx * dx + dy * dy + dz * dz)
-        height = height_over(problem.plate, particle.x, particle.y)
-        if abs(height) < problem.radius or particle.plate_stiffness != 0.0:
-            touch_plate(problem, particle, tally, facet_wear)
-    if farthest2 > (clock.limit * problem.dt) ** 2 and not raise_limit(
-        problem, state, agenda, math.sqrt(farthest2) / problem.dt, now
-    ):
+        i = awake[k]
+        dx, dy, dz = move(problem, particles[i], tally.step)
+        if dx * dx + dy * dy + dz * dz > plans[i].stride2 or plans[i].row_until < now:
+            agenda.lists[LANDED, hasty] = i
+            hasty += 1
+    # Rows that assumed a lower pace are made again before contacts are looked for.
+    if hasty > 0 and not make_rows(problem, state, agenda, LANDED, hasty, now, now):
         return STOP_CROWDED
 
-    # First wake all sleeping particles that are touched, so that contacts are in order below.
-    contact2 = 4.0 * problem.radius * problem.radius
+    if agenda.queue[now & (RING - 1)] >= 0:
+        _meet_due(problem, state, agenda, now)
     k = 0
     while k < clock.awake:
         i = awake[k]
         k += 1
-        if agenda.row_next[i] > now:
-            continue
-        for m in range(agenda.row_size[i]):
-            near = rows[i, m]
-            if near.next_check > now or not agenda.asleep[near.j]:
-                continue
-            other = particles[near.j]
-            move(problem, other, tally.step)
-            if centre_distance2(particles[i], other) < contact2:
-                if not _wake(problem, state, agenda, np.int64(near.j), now):
-                    return STOP_CROWDED
-                if near.j < i:
-                    k += 1
+        if plans[i].row_next <= now:
+            k += _check_row(problem, state, agenda, i, now)
+    if clock.begun > 0 and not _merge_begun(state, agenda):
+        return STOP_CROWDED
 
     for k in range(clock.awake):
-        i = awake[k]
-        if agenda.row_next[i] <= now:
-            _touch_partners(problem, state, agenda, i, now)
-
+        particle = particles[awake[k]]
+        height = height_over(problem.plate, particle.x, particle.y)
+        if abs(height) < problem.radius or particle.plate_stiffness != 0.0:
+            touch_plate(problem, particle, tally, state.facet_wear)
+    _touch_pairs(problem, state, agenda, now)
     tally.step = now
-    kept = 0
+    landed, changed, kept = 0, 0, 0
     for k in range(clock.awake):
         i = awake[k]
-        particle = particles[i]
-        landed = particle.motion == TOUCHING or particle.motion == WAKING
-        if landed:
+        particle, plan = particles[i], plans[i]
+        if particle.motion != FLYING:
             finish(problem, particle, now)
+            if particle.motion == FLYING:
+                plan.plate_due = plan.meet_due = now
         remove_if_fallen(problem, particle, tally)
-        if particle.motion == GONE:
-            agenda.flights[0, i] = FAR
-            continue
-        awake[kept] = i
-        kept += 1
         if particle.motion == TOUCHING:
-            agenda.flights[0, i] = FAR
-        elif landed or agenda.due[i] <= now:
-            if landed:
-                record_flight(agenda, particle, i)
-            if _may_sleep(problem, state, agenda, i, now):
-                agenda.asleep[i] = True
-                kept -= 1
+            awake[kept] = i
+            kept += 1
+            if plan.row_until < 0 or plan.impact > 0.0:
+                agenda.lists[DUE, changed] = i
+                changed += 1
+        else:
+            plan.awake = 0
+            if particle.motion == GONE:
+                leave_cell(agenda, i)
+            else:
+                agenda.lists[LANDED, landed] = i
+                landed += 1
     clock.awake = kept
+    if landed > 0:
+        plan_flights(problem, state, agenda, landed, now)
+    if changed > 0 and not make_rows(problem, state, agenda, DUE, changed, now, NEVER):
+        return STOP_CROWDED
     if tally.largest_overlap / problem.radius > OVERLAP_STOP:
         return STOP_OVERLAP
-    # A flight faster than the limit, found just above, can cause contacts from the next step on.
-    if clock.limit < 0.0 and not raise_limit(problem, state, agenda, -clock.limit, now):
-        return STOP_CROWDED
     return DONE
 
 
+@kernel
+def _meet_due(problem, state, agenda, now):
+    """Examine all sleeping particles that are due at step ``now``."""
+    plans, lists = agenda.plans, agenda.lists
+    count = 0
+    i = agenda.queue[now & (RING - 1)]
+    while i >= 0:
+        if plans[i].due <= now:
+            lists[DUE, count] = i
+            count += 1
+        i = plans[i].queue_next
+    for k in range(count):
+        i = lists[DUE, k]
+        plan = plans[i]
+        if min(plan.meet_due, plan.leave_due) <= now:
+            for m in range(plan_pairs(problem, state, agenda, i, now)):
+                _begin(problem, state, agenda, i, lists[NEIGHBOURS, m], now)
+        if plan.plate_due <= now:
+            # It is stepped like the awake particles, which finds out whether it touches.
+            _attend(problem, state, agenda, i, now)
+        elif plan.awake == 0:
+            # Its entry in the queue is still that of the earlier due step.
+            dequeue(agenda, i)
+            enqueue(agenda, i)
+
+
 @kernel(inline=True)
-def _touch_partners(problem, state, agenda, i, now):
-    """Contacts of awake particle i with partners of higher index; next checks of all partners."""
-    particles, tally = state.particles, state.tally[0]
-    limit = agenda.clock[0].limit
+def _check_row(problem, state, agenda, i, now):
+    """Check the partners of awake particle i that are due; return how many below i were woken."""
+    particles, plan, row = state.particles, agenda.plans[i], agenda.rows[i]
     contact2 = 4.0 * problem.radius * problem.radius
     a = particles[i]
-    first = NEVER
-    for m in range(agenda.row_size[i]):
-        near = agenda.rows[i, m]
+    first, woken = plan.row_until + 1, 0
+    for m in range(plan.row_size):
+        near = row[m]
         if near.next_check <= now:
-            b = particles[near.j]
+            j = near.j
+            b = particles[j]
             if b.motion == GONE:
-                near.stiffness = 0.0
                 near.next_check = NEVER
                 continue
-            apart = (a.x - b.x, a.y - b.y, a.z - b.z)
-            distance2 = dot(apart, apart)
+            distance2 = distance2_to(problem, a, b, now)
             if distance2 < contact2:
-                if near.j > i:
-                    distance = math.sqrt(distance2)
-                    n = scaled(apart, 1.0 / distance)
-                    touch_pair(problem, near, a, b, distance, n, tally)
-                near.next_check = now + 1
-            else:
-                near.stiffness = 0.0
-                steps = steps_to_close(problem, limit, distance2)
-                near.next_check = now + 1 + max(steps, 0)
+                near.next_check = NEVER
+                if j < i and agenda.plans[j].awake == 0:
+                    woken += 1
+                _begin(problem, state, agenda, i, j, now)
+                continue
+            horizon = problem.dt * (plan.row_until - now)
+            check = steps_apart(problem, agenda, a, plan.pace, b, j, distance2, now, horizon)
+            near.next_check = max(check, now + 1)
         first = min(first, near.next_check)
-    agenda.row_next[i] = first
+    plan.row_next = first
+    return woken
+
+
+@kernel(inline=True)
+def _clear_row(plan):
+    """Have a particle that is awake from now on without a row."""
+    plan.impact = 0.0
+    plan.pace = 0.0
+    plan.row_size = 0
+    plan.row_next = NEVER
+    plan.row_until = -1
+
+
+@kernel(inline=True)
+def _order(i, j):
+    """Number that puts pairs in the order of their first and then their second particle."""
+    return (np.int64(i) << 32) | np.int64(j)
 
 
 @kernel
-def _may_sleep(problem, state, agenda, i, now):
-    """Set the due step of flying particle i and return whether it can sleep long enough.
-
-    Unless the plate or the removal level is too close, the due steps of all particles that it can
-    touch are brought forward. Otherwise it stays awake and finds sleeping partners by its row.
-    """
-    clock, flights, due = agenda.clock[0], agenda.flights, agenda.due
-    time = problem.dt * (now - flights[6, i])
-    vx, vz = flights[3, i], flights[5, i]
-    vy = flights[4, i] - problem.gravity * time
-    x = flight(flights[0, i], vx, time)
-    y = fall(flights[1, i], flights[4, i], problem.gravity, time)
-    z = flight(flights[2, i], vz, time)
-
-    drop = max(y - problem.removal_height, 0.0)
-    fastest = math.sqrt(vx * vx + vy * vy + vz * vz + 2.0 * problem.gravity * drop)
-    if fastest * (1.0 + SAFETY) > abs(clock.limit):
-        clock.limit = -fastest
-
-    until = first_time_within(drop, vy, -problem.gravity, 0.0, 0.0)
-    until = min(until, time_to_plate(problem, x, y, z, vx, vy, vz))
-    mine = due_step(problem, now, until)
-    due[i] = mine
-    nap = NAP + np.int64(NAP_PER_PARTICLE * state.tally[0].live)
-    if mine <= now + nap:
-        return False
-
-    miss_distances(problem, flights, agenda.scratch, state.tally[0].live, now, x, y, z, vx, vy, vz)
-    reach2 = (2.0 * problem.radius * (1.0 + SAFETY)) ** 2
-    for j in range(state.tally[0].live):
-        if agenda.scratch[j] >= reach2 or j == i or flights[0, j] == FAR:
-            continue
-        meet = due_step(problem, now, time_to_meet(problem, flights, j, now, x, y, z, vx, vy, vz))
-        mine = min(mine, meet)
-        if meet < due[j]:
-            due[j] = meet
-            if agenda.asleep[j]:
-                clock.next_due = min(clock.next_due, meet)
-    due[i] = mine
-    if mine <= now + nap:
-        return False
-    clock.next_due = min(clock.next_due, mine)
-    return True
-
-
-@kernel
-def _wake(problem, state, agenda, i, now):
-    """Wake particle i, whose position is that of step ``now``; False if its row is full."""
-    clock, awake = agenda.clock[0], agenda.awake
-    agenda.asleep[i] = False
-    agenda.row_size[i] = 0
+def _attend(problem, state, agenda, i, now):
+    """Have sleeping particle i stepped to step ``now``."""
+    clock, awake, plan = agenda.clock[0], agenda.awake, agenda.plans[i]
+    if plan.awake != 0:
+        return
+    dequeue(agenda, i)
+    plan.awake = 1
+    _clear_row(plan)
+    fly_to(problem, state.particles[i], now)
     k = clock.awake
     while k > 0 and awake[k - 1] > i:
         awake[k] = awake[k - 1]
         k -= 1
     awake[k] = i
     clock.awake += 1
-    return make_row(problem, state, agenda, i, now)
 
 
 @kernel
-def _wake_due(problem, state, agenda):
-    """Wake all particles that can touch something in the next step; False if a row is full."""
-    tally, clock = state.tally[0], agenda.clock[0]
-    clock.next_due = NEVER
-    for i in range(tally.live):
-        if not agenda.asleep[i]:
-            continue
-        if agenda.due[i] <= tally.step + 1:
-            fly_to(problem, state.particles[i], tally.step)
-            if not _wake(problem, state, agenda, i, tally.step):
-                return False
+def _begin(problem, state, agenda, i, j, now):
+    """Note that the contact of particles i and j begins at step ``now``, unless it is open."""
+    pairs, clock, begun = state.pairs, agenda.clock[0], agenda.begun
+    key = _order(min(i, j), max(i, j))
+    low, high = 0, state.tally[0].pairs
+    while low < high:
+        middle = (low + high) // 2
+        if _order(pairs[middle].i, pairs[middle].j) < key:
+            low = middle + 1
         else:
-            clock.next_due = min(clock.next_due, agenda.due[i])
-    return True
+            high = middle
+    if low < state.tally[0].pairs and _order(pairs[low].i, pairs[low].j) == key:
+        return
+    at = clock.begun
+    while at > 0 and begun[at - 1] > key:
+        at -= 1
+    if at > 0 and begun[at - 1] == key:
+        return
+    _attend(problem, state, agenda, i, now)
+    _attend(problem, state, agenda, j, now)
+    impact = _relative_speed(problem, state.particles[i], state.particles[j], now)
+    for k in (i, j):
+        if impact > agenda.plans[k].pace:
+            agenda.plans[k].impact = max(agenda.plans[k].impact, impact)
+    # Too many contacts are noticed when they are merged.
+    if clock.begun < begun.size:
+        for m in range(clock.begun, at, -1):
+            begun[m] = begun[m - 1]
+        begun[at] = key
+    clock.begun += 1
+
+
+@kernel(inline=True)
+def _relative_speed(problem, a, b, now):
+    a_vy = fall_speed(problem, a, now) if a.motion == FLYING else a.vy
+    b_vy = fall_speed(problem, b, now) if b.motion == FLYING else b.vy
+    apart = (a.vx - b.vx, a_vy - b_vy, a.vz - b.vz)
+    return math.sqrt(dot(apart, apart))
 
 
 @kernel
-def _add_released(problem, state, agenda, first):
-    """Add the particles just released, from index ``first`` on; False if a row is full."""
-    tally, clock = state.tally[0], agenda.clock[0]
+def _merge_begun(state, agenda):
+    """Merge the contacts that begin into the ascending list of pairs; False if it is full."""
+    tally, pairs, begun = state.tally[0], state.pairs, agenda.begun
+    count = agenda.clock[0].begun
+    total = tally.pairs + count
+    if total > pairs.size:
+        return False
+    source, target = tally.pairs - 1, total - 1
+    for f in range(count - 1, -1, -1):
+        while source >= 0 and _order(pairs[source].i, pairs[source].j) > begun[f]:
+            pairs[target] = pairs[source]
+            source -= 1
+            target -= 1
+        pairs[target].i = begun[f] >> 32
+        pairs[target].j = begun[f] & 0xFFFFFFFF
+        pairs[target].stiffness = 0.0
+        target -= 1
+    tally.pairs = total
+    return True
+
+
+@kernel(inline=True)
+def _touch_pairs(problem, state, agenda, now):
+    """Contacts between particles; those that have ended leave the list."""
+    tally, particles, pairs = state.tally[0], state.particles, state.pairs
+    contact2 = 4.0 * problem.radius * problem.radius
+    kept = 0
+    for p in range(tally.pairs):
+        pair = pairs[p]
+        a, b = particles[pair.i], particles[pair.j]
+        apart = (a.x - b.x, a.y - b.y, a.z - b.z)
+        distance2 = dot(apart, apart)
+        if distance2 < contact2 and a.motion != GONE and b.motion != GONE:
+            distance = math.sqrt(distance2)
+            n = scaled(apart, 1.0 / distance)
+            touch_pair(problem, pair, a, b, distance, n, tally)
+            if kept < p:
+                pairs[kept] = pair
+            kept += 1
+        elif a.motion != GONE and b.motion != GONE:
+            note_in_row(agenda, np.int64(pair.i), np.int64(pair.j), now + 1)
+    tally.pairs = kept
+
+
+@kernel
+def _plan_released(problem, state, agenda, first):
+    """Plan the particles just released, from index ``first`` on."""
+    tally, count = state.tally[0], 0
     for new in range(first, tally.live):
-        record_flight(agenda, state.particles[new], new)
-        agenda.asleep[new] = False
-        agenda.due[new] = NEVER
-        agenda.row_size[new] = 0
-    # Existing rows do not contain them yet.
-    for k in range(clock.awake):
-        for new in range(first, tally.live):
-            if not _add_to_row(problem, state, agenda, agenda.awake[k], new):
-                return False
-    return _sleep_or_wake(problem, state, agenda, first)
-
-
-@kernel
-def _sleep_or_wake(problem, state, agenda, first):
-    """Let flying particles from index ``first`` on sleep, or wake them; False if a row is full."""
-    tally, clock = state.tally[0], agenda.clock[0]
-    for i in range(first, tally.live):
-        if state.particles[i].motion != FLYING:
-            continue
-        if _may_sleep(problem, state, agenda, i, tally.step):
-            agenda.asleep[i] = True
-        elif not _wake(problem, state, agenda, i, tally.step):
-            return False
-    if clock.limit < 0.0:
-        return raise_limit(problem, state, agenda, -clock.limit, tally.step)
-    return True
-
-
-@kernel
-def _add_to_row(problem, state, agenda, i, new):
-    """Add a new particle, the last one, to the row of i if it is near; False if the row is full."""
-    rows, size, limit = agenda.rows, agenda.row_size[i], agenda.clock[0].limit
-    now = state.tally[0].step
-    left = agenda.row_until[i] - now
-    reach = 2.0 * problem.radius * (1.0 + SAFETY) + 2.0 * limit * problem.dt * left
-    distance2 = centre_distance2(state.particles[i], state.particles[new])
-    if distance2 >= reach * reach or (size > 0 and rows[i, size - 1].j >= new):
-        return True
-    if size == SLOTS:
-        # A new row is valid for fewer steps and contains all partners.
-        return make_row(problem, state, agenda, i, now)
-    near = rows[i, size]
-    near.j = new
-    near.stiffness = 0.0
-    near.next_check = now + 1 + steps_to_close(problem, limit, distance2)
-    agenda.row_next[i] = min(agenda.row_next[i], near.next_check)
-    agenda.row_size[i] = size + 1
-    return True
+        plan = agenda.plans[new]
+        plan.awake = 0
+        plan.plate_due = plan.meet_due = tally.step
+        agenda.lists[LANDED, count] = new
+        count += 1
+    plan_flights(problem, state, agenda, count, tally.step)
 
 
 @kernel
@@ -372,71 +383,73 @@ def _refresh(problem, state):
             fly_to(problem, particle, state.tally[0].step)
 
 
-@kernel(inline=True)
-def _copy_memory(source, target):
-    """Copy the memory of an open contact between a row and the pair list."""
-    target.stiffness = source.stiffness
-    target.sx, target.sy, target.sz = source.sx, source.sy, source.sz
-    target.fn, target.tx, target.ty, target.tz = source.fn, source.tx, source.ty, source.tz
+@kernel
+def plan_all(problem, state, agenda):
+    """Plan all particles from their positions at the current step; False if a row is full."""
+    tally, clock, particles, pairs = state.tally[0], agenda.clock[0], state.particles, state.pairs
+    agenda.queue[:] = -1
+    agenda.cells[:] = -1
+    clock.bits = 0
+    while 8**clock.bits < agenda.cells.size:
+        clock.bits += 1
+    clock.awake, flying = 0, 0
+    for i in range(tally.live):
+        particle, plan = particles[i], agenda.plans[i]
+        if particle.motion == GONE:
+            continue
+        enter_cell(agenda, i, cell_of(problem, agenda, particle.x, particle.y, particle.z))
+        plan.plate_due = plan.meet_due = tally.step
+        plan.awake = 1 if particle.motion == TOUCHING else 0
+        if plan.awake != 0:
+            _clear_row(plan)
+            agenda.awake[clock.awake] = i
+            agenda.lists[DUE, clock.awake] = i
+            clock.awake += 1
+        else:
+            agenda.lists[LANDED, flying] = i
+            flying += 1
+    _sort_open(tally, pairs)
+    if not make_rows(problem, state, agenda, DUE, clock.awake, tally.step, NEVER):
+        return False
+    plan_flights(problem, state, agenda, flying, tally.step)
+    return True
 
 
 @kernel
-def _write_back(problem, state, agenda):
-    """Write positions and open pair contacts to the state, as `synchronous` does."""
-    tally, clock, pairs = state.tally[0], agenda.clock[0], state.pairs
-    _refresh(problem, state)
-    found = 0
-    for k in range(clock.awake):
-        i = agenda.awake[k]
-        for m in range(agenda.row_size[i]):
-            near = agenda.rows[i, m]
-            if near.stiffness != 0.0:
-                pair = pairs[found]
-                pair.i, pair.j = i, near.j
-                _copy_memory(near, pair)
-                found += 1
-    tally.pairs = found
+def _sort_open(tally, pairs):
+    """Keep the open contacts of the list of pairs, in ascending order."""
+    one = np.empty(1, pairs.dtype)
+    kept = 0
+    for p in range(tally.pairs):
+        if pairs[p].stiffness != 0.0:
+            one[0] = pairs[p]
+            order = _order(one[0].i, one[0].j)
+            at = kept
+            while at > 0 and _order(pairs[at - 1].i, pairs[at - 1].j) > order:
+                pairs[at] = pairs[at - 1]
+                at -= 1
+            pairs[at] = one[0]
+            kept += 1
+    tally.pairs = kept
 
 
 @kernel
 def _resume_if_thinned(problem, state, agenda):
     """Take over from `synchronous` if few particles touch; False if a row is full."""
-    tally, clock, particles = state.tally[0], agenda.clock[0], state.particles
+    tally, particles = state.tally[0], state.particles
     touching = 0
     for i in range(tally.live):
         touching += 1 if particles[i].motion == TOUCHING else 0
-    if touching > THINNED * tally.live:
+    if touching > agenda.clock[0].thin * tally.live:
         return True
-    clock.crowded = 0
-    clock.awake = 0
-    clock.next_due = NEVER
-    clock.grid_live = 0
-    for i in range(tally.live):
-        agenda.asleep[i] = False
-        agenda.due[i] = NEVER
-        agenda.row_size[i] = 0
-        agenda.flights[0, i] = FAR
-        if particles[i].motion == FLYING:
-            record_flight(agenda, particles[i], i)
-        elif particles[i].motion == TOUCHING:
-            agenda.awake[clock.awake] = i
-            clock.awake += 1
-    for k in range(clock.awake):
-        if not make_row(problem, state, agenda, agenda.awake[k], tally.step):
-            return False
-    for p in range(tally.pairs):
-        pair = state.pairs[p]
-        for m in range(agenda.row_size[pair.i]):
-            near = agenda.rows[pair.i, m]
-            if near.j == pair.j and pair.stiffness != 0.0:
-                _copy_memory(pair, near)
-    return _sleep_or_wake(problem, state, agenda, 0)
+    agenda.clock[0].crowded = 0
+    return plan_all(problem, state, agenda)
 
 
 @kernel
 def _compact(state, agenda):
     """Close the gaps of removed particles, in the agenda and in the state."""
-    tally, clock = state.tally[0], agenda.clock[0]
+    tally, clock, plans, rows = state.tally[0], agenda.clock[0], agenda.plans, agenda.rows
     target = np.empty(tally.live, np.int64)
     kept = 0
     for i in range(tally.live):
@@ -444,27 +457,26 @@ def _compact(state, agenda):
         if state.particles[i].motion != GONE:
             target[i] = kept
             if kept != i:
-                agenda.asleep[kept] = agenda.asleep[i]
-                agenda.due[kept] = agenda.due[i]
-                agenda.row_size[kept] = agenda.row_size[i]
-                agenda.row_next[kept] = agenda.row_next[i]
-                agenda.row_until[kept] = agenda.row_until[i]
-                for axis in range(7):
-                    agenda.flights[axis, kept] = agenda.flights[axis, i]
-                if not agenda.asleep[i]:
-                    for m in range(agenda.row_size[i]):
-                        agenda.rows[kept, m] = agenda.rows[i, m]
+                plans[kept] = plans[i]
+                if plans[i].awake != 0:
+                    for m in range(plans[i].row_size):
+                        rows[kept, m] = rows[i, m]
             kept += 1
     for k in range(clock.awake):
         i = target[agenda.awake[k]]
         agenda.awake[k] = i
         size = 0
-        for m in range(agenda.row_size[i]):
-            j = target[agenda.rows[i, m].j]
+        for m in range(plans[i].row_size):
+            j = target[rows[i, m].j]
             if j >= 0:
-                agenda.rows[i, size] = agenda.rows[i, m]
-                agenda.rows[i, size].j = j
+                rows[i, size].j = j
+                rows[i, size].next_check = rows[i, m].next_check
                 size += 1
-        agenda.row_size[i] = size
-    clock.grid_live = 0
+        plans[i].row_size = size
     compact(state)
+    agenda.queue[:] = -1
+    agenda.cells[:] = -1
+    for i in range(tally.live):
+        enter_cell(agenda, i, plans[i].cell)
+        if plans[i].awake == 0:
+            enqueue(agenda, i)

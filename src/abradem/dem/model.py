@@ -331,6 +331,9 @@ class SimulationResult:
         Number of particles present.
     facet_wear : ndarray, shape (3, nx, nz)
         F_n ds per facet in the time of ``window``, J.
+    facet_wear_parts : ndarray, shape (parts, 3, nx, nz)
+        F_n ds per facet in each of the equal parts of the window, J; their sum is ``facet_wear``.
+        No parts if the window was not completed.
     facet_wear_all : ndarray, shape (3, nx, nz)
         F_n ds per facet from the start to the end, J.
     window : tuple of float
@@ -367,6 +370,7 @@ class SimulationResult:
     delivered_mass: np.ndarray
     present: np.ndarray
     facet_wear: np.ndarray
+    facet_wear_parts: np.ndarray
     facet_wear_all: np.ndarray
     window: tuple[float, float]
     steady_from: float
@@ -383,6 +387,13 @@ class SimulationResult:
     released: int
     removed: int
     energy: dict
+
+    @property
+    def release_interval(self) -> float:
+        """Time between two releases by the factory, s; 0 for given releases."""
+        if not (self.requested_rate > 0.0 and self.released > 0):
+            return 0.0
+        return float(self.delivered_mass[-1]) / self.released / self.requested_rate
 
 
 @dataclass(frozen=True)

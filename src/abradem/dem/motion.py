@@ -24,9 +24,8 @@ from abradem.dem.state import (
     TOUCHING,
     WAKING,
     energy_of,
-    fall,
     fall_speed,
-    flight,
+    flying_place,
     kinetic_energy_of,
 )
 from abradem.dem.vectors import cross, dot, fma, plus, scaled, split
@@ -35,10 +34,7 @@ from abradem.dem.vectors import cross, dot, fma, plus, scaled, split
 @kernel(inline=True)
 def fly_to(problem, particle, step):
     """Set the position of a flying particle to that at a lattice step."""
-    time = problem.dt * (step - particle.anchor_step)
-    particle.x = flight(particle.anchor_x, particle.vx, time)
-    particle.y = fall(particle.anchor_y, particle.vy, problem.gravity, time)
-    particle.z = flight(particle.anchor_z, particle.vz, time)
+    particle.x, particle.y, particle.z = flying_place(problem, particle, step)
 
 
 @kernel(inline=True)
@@ -178,7 +174,7 @@ def touch_plate(problem, particle, tally, facet_wear):
     fn_old = particle.plate_fn
     ft_old = (particle.plate_tx, particle.plate_ty, particle.plate_tz)
     fn, ft, spring = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    stiffness, stored, slips = 0.0, 0.0, False
+    stiffness, stored, slip_now = 0.0, 0.0, 0.0
     if overlap > 0.0:
         speed, slip = split(
             _point_velocity(
@@ -196,7 +192,7 @@ def touch_plate(problem, particle, tally, facet_wear):
             share = entry_share(overlap, -half_speed * dt)
         du = scaled(slide, dt * share)
         fn, s, q = normal_force(law, overlap, speed)
-        ft, spring, stiffness, stored, slips = tangential_force(
+        ft, spring, stiffness, stored, slip_now = tangential_force(
             law, fn, s, q, spring, particle.plate_stiffness, du, slip
         )
         _load(particle, fn, n, ft, radius)
@@ -215,11 +211,8 @@ def touch_plate(problem, particle, tally, facet_wear):
     if mu > 0.0:
         per_mu = 1.0 / mu
         work_old, work = -dot(ft_old, slide) * dt, -dot(ft, slide) * dt
-        sliding = 0.0
-        if particle.plate_slips != 0:
-            sliding += 0.5 * max(work_old, 0.0) * per_mu
-        if slips:
-            sliding += 0.5 * max(work, 0.0) * per_mu
+        slipped = particle.plate_slip * max(work_old, 0.0) + slip_now * max(work, 0.0)
+        sliding = 0.5 * slipped * per_mu
         friction = (0.5 * (work_old + work) - (stored - particle.plate_energy)) * per_mu
     ix, iz = facet_of(problem.plate, along, across)
     facet_wear[0, ix, iz] += total
@@ -234,7 +227,7 @@ def touch_plate(problem, particle, tally, facet_wear):
     particle.plate_fn = fn
     particle.plate_tx, particle.plate_ty, particle.plate_tz = ft
     particle.plate_energy = stored
-    particle.plate_slips = 1 if slips else 0
+    particle.plate_slip = slip_now
 
 
 @kernel(inline=True)

@@ -9,6 +9,7 @@ import numpy as np
 from abradem.dem import samples
 from abradem.dem.agenda import grown_agenda, make_agenda
 from abradem.dem.energy import energy_balance
+from abradem.dem.impact import CONVERGED_STEPS, step_bias
 from abradem.dem.model import Case, Setup, SimulationResult
 from abradem.dem.samples import Record, make_record
 from abradem.dem.state import (
@@ -22,17 +23,20 @@ from abradem.dem.state import (
     make_problem,
     make_state,
 )
-from abradem.dem.steady import batch_means, steady_part
+from abradem.dem.stop import StopRule
 from abradem.elastic import hertz_duration, sphere_volume
 
 FIRST_CAPACITY = 64
-CHECK_GROWTH = 1.1
-"""Growth factor of the simulated time between two evaluations of the stop rule: small enough to
-stop early, large enough not to stop on a random fluctuation of the standard error."""
-
-MAPS_PER_WINDOW = 10
 PARTICLES_IN_A_CALL = 2000
 """Largest product of particles present and samples in one kernel call."""
+
+LARGEST_STEP_BIAS = 0.05
+"""Largest bias of ``total`` and ``friction`` that the time step may cause in the first impact on
+the plate. A case beyond it is refused: its wear would be wrong without a sign of it."""
+
+JUDGED_ANGLES = (10.0, 80.0)
+"""Angles from the normal, degrees, between which the first impact is judged. Nearer to the normal
+its wear tends to zero and the bias to a constant."""
 
 FEWEST_STEPS_PER_CONTACT = 5.0
 MOST_STEPS_PER_CONTACT = 1e5
@@ -47,8 +51,8 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
 
     `steady.steady_part` finds the end of the transient. The simulation continues until the
     ``window`` after the transient is complete and the relative standard error of the plate-mean
-    ``total`` rate is at most ``target_stderr``, or until ``max_time``. If ``duration`` is given,
-    it ends exactly after that time.
+    ``total`` rate is reliably at most ``target_stderr`` (`stop.StopRule`), or until ``max_time``.
+    If ``duration`` is given, it ends exactly after that time.
 
     Parameters
     ----------
@@ -77,14 +81,12 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     """
     setup = Setup() if setup is None else setup
     problem, schedule = make_problem(case, setup, releases)
-    _check_step(problem, schedule, setup)
+    _check_step(case, problem, schedule, setup)
     _check_size(problem, setup)
     engine = Engine(problem, schedule, setup.stepping)
     sample_steps = max(1, round(setup.sample_interval / problem.dt))
     interval = sample_steps * problem.dt
-    map_samples = max(1, round(setup.window / MAPS_PER_WINDOW / interval))
-    map_interval = map_samples * interval
-    window_maps = max(1, round(setup.window / map_interval))
+    rule = StopRule(setup, interval, 0.0 if problem.scheduled else 1.0 / problem.rate)
     count = max(1, round(_longest(setup) / interval))
     record_steps = max(1, round(recorder.interval / problem.dt)) if recorder else None
     if recorder:
@@ -94,7 +96,8 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     record = make_record(count)
     maps = [engine.state.facet_wear.copy()]
     status = "ok"
-    look = int(np.searchsorted(time, setup.window)) if setup.duration is None else count + 1
+    if setup.duration is not None:
+        rule.next_look = count + 1
     alone = recorder or progress is not None
     sample = 0
     outcome: int | str = DONE
@@ -102,7 +105,8 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
         last = sample + 1
         if not alone:
             # Continue to the next map or the next evaluation of the stop rule.
-            last = min(count, (sample // map_samples + 1) * map_samples, max(last, look))
+            next_map = (sample // rule.map_samples + 1) * rule.map_samples
+            last = min(count, next_map, max(last, rule.next_look))
             last = min(last, sample + engine.samples_in_a_call())
         if recorder:
             outcome = engine.advance(last * sample_steps, record_steps, recorder)
@@ -112,24 +116,15 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
         if outcome != DONE:
             status = _status(outcome, record)
             break
-        if sample % map_samples == 0:
+        if sample % rule.map_samples == 0:
             maps.append(engine.state.facet_wear.copy())
         if progress is not None:
             progress(float(time[sample]))
-        if sample >= look:
-            look = int(np.searchsorted(time, time[sample] * CHECK_GROWTH))
-            steady = _steady(record, time[: sample + 1], window_maps, map_interval)
-            if not steady.settled:
-                look = min(look, sample + map_samples)
-            elif not steady.complete(len(maps)):
-                # So far, only the rest of the window is missing.
-                look = min(look, steady.last_map * map_samples)
-            elif steady.relative_stderr <= setup.target_stderr:
-                break
+        if sample >= rule.next_look and rule.ends(*_past(record, time, sample)):
+            break
     return _result(
-        case, setup, problem, engine.state, status, time[: sample + 1], record, maps,
-        window_maps, map_interval,
-    )  # fmt: skip
+        case, setup, problem, engine.state, status, time[: sample + 1], record, maps, rule
+    )
 
 
 def _status(outcome: int | str, record: Record) -> str:
@@ -198,14 +193,11 @@ class Engine:
         return DONE
 
 
-def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
+def _check_step(case: Case, problem: Problem, schedule: Schedule, setup: Setup) -> None:
     """Raise if the time step does not resolve a contact or is far too short."""
-    fastest = _fall_speed(problem, setup)
+    fastest, angle = _fall_speed(problem, setup), abs(case.plate_angle)
     if problem.scheduled and schedule.velocity.size:
-        heights = np.maximum(schedule.position[:, 1] - problem.removal_height, 0.0)
-        with np.errstate(over="ignore"):
-            speeds2 = (schedule.velocity**2).sum(axis=1) + 2.0 * problem.gravity * heights
-        fastest = float(np.sqrt(speeds2).max())
+        fastest, angle = _fastest_release(problem, schedule, setup)
     if fastest == 0.0:
         return
     steps = hertz_duration(problem.plate_law.kn, problem.mass, fastest) / problem.dt
@@ -220,6 +212,44 @@ def _check_step(problem: Problem, schedule: Schedule, setup: Setup) -> None:
             f"time step {problem.dt:.3g} s gives {steps:.3g} steps per contact at "
             f"{fastest:.3g} m/s; at most {MOST_STEPS_PER_CONTACT:g} are allowed"
         )
+    if steps < CONVERGED_STEPS:
+        _check_bias(case, problem, setup, fastest, angle, steps)
+
+
+def _check_bias(case, problem, setup, speed, angle, steps) -> None:
+    """Raise if the time step biases the wear of the first impact too much."""
+    angle = min(max(angle, JUDGED_ANGLES[0]), JUDGED_ANGLES[1])
+    try:
+        found = step_bias(case, setup.contact, problem.dt, speed, angle)
+    except ValueError:
+        # Too soft for this speed, which the guards tell.
+        return
+    for measure, bias in found.items():
+        if not abs(bias) <= LARGEST_STEP_BIAS:
+            raise ValueError(
+                f"time step {problem.dt:.3g} s, {steps:.1f} steps per contact at {speed:.3g} m/s, "
+                f"biases {measure} of an impact at {angle:.3g} deg from the normal by "
+                f"{100.0 * bias:+.1f} %; at most {100.0 * LARGEST_STEP_BIAS:g} % are allowed"
+            )
+
+
+def _fastest_release(problem: Problem, schedule: Schedule, setup: Setup) -> tuple[float, float]:
+    """Return speed (m/s) and angle from the normal of the plate (deg) of the fastest release.
+
+    They are those at the height of the lowest point of the plate.
+    """
+    lowest = problem.removal_height + setup.removal_depth
+    heights = np.maximum(schedule.position[:, 1] - lowest, 0.0)
+    with np.errstate(over="ignore"):
+        speeds2 = (schedule.velocity**2).sum(axis=1) + 2.0 * problem.gravity * heights
+    fastest = int(np.argmax(speeds2))
+    speed = math.sqrt(speeds2[fastest])
+    if not 0.0 < speed < math.inf:
+        return speed, 0.0
+    along, across = schedule.velocity[fastest, 0], schedule.velocity[fastest, 2]
+    down = math.sqrt(max(speeds2[fastest] - along**2 - across**2, 0.0))
+    towards = problem.plate.cos * down + problem.plate.sin * along
+    return speed, math.degrees(math.acos(min(abs(towards) / speed, 1.0)))
 
 
 def _check_size(problem: Problem, setup: Setup) -> None:
@@ -260,42 +290,24 @@ def _room(problem: Problem, setup: Setup) -> float:
     return math.prod(sides) / sphere_volume(problem.radius)
 
 
-class SteadyPart:
-    """The steady part of a record: its start, and its rate with the standard error."""
-
-    def __init__(self, time, total, present, window_maps: int, map_interval: float):
-        # The start is moved to the next map.
-        start = steady_part(time, total, present, (window_maps + 1) * map_interval)
-        self.settled = start.settled
-        self.first_map = math.ceil(start.time / map_interval - 1e-9)
-        self.last_map = self.first_map + window_maps
-        self.start = self.first_map * map_interval
-        self.window_end = self.last_map * map_interval
-        found = batch_means(time, total, self.start)
-        known = found.batches > 0 and found.rate > 0.0
-        self.rate = found.rate
-        self.relative_stderr = found.stderr / found.rate if known else math.inf
-
-    def complete(self, maps: int) -> bool:
-        """Whether the window after the start is inside a record with this number of maps."""
-        return self.last_map < maps
-
-
-def _steady(record: Record, time, window_maps: int, map_interval: float) -> SteadyPart:
-    past = slice(time.size)
-    return SteadyPart(time, record.worn[past, 0], record.present[past], window_maps, map_interval)
+def _past(record: Record, time, sample: int):
+    """Times, ``total`` wear and particles present up to a sample."""
+    past = slice(sample + 1)
+    return time[past], record.worn[past, 0], record.present[past]
 
 
 def _result(
-    case, setup, problem, state, status, time, record, maps, window_maps, map_interval
+    case, setup, problem, state, status, time, record, maps, rule: StopRule
 ) -> SimulationResult:
-    steady = _steady(record, time, window_maps, map_interval)
+    steady = rule.steady(*_past(record, time, len(time) - 1))
     complete = steady.complete(len(maps))
     if complete:
         facet_wear = maps[steady.last_map] - maps[steady.first_map]
+        parts = np.diff(maps[steady.first_map : steady.last_map + 1], axis=0)
         window = (steady.start, steady.window_end)
     else:
         facet_wear = np.full_like(state.facet_wear, np.nan)
+        parts = np.empty((0, *state.facet_wear.shape))
         window = (math.nan, math.nan)
     tally = state.tally[0]
     ended = int(tally["face"] + tally["edge"] + tally["missed"])
@@ -315,6 +327,7 @@ def _result(
         delivered_mass=delivered,
         present=record.present[past],
         facet_wear=facet_wear,
+        facet_wear_parts=parts,
         facet_wear_all=state.facet_wear.copy(),
         window=window,
         steady_from=steady.start if complete else math.nan,

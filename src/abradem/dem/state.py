@@ -108,7 +108,8 @@ PARTICLE = np.dtype(
     + _fields("fx fy fz mx my mz rolling")
     # Memory of the contact with the plate.
     + _fields("plate_sx plate_sy plate_sz plate_fn plate_tx plate_ty plate_tz plate_energy")
-    + _fields("plate_slips", np.int64)
+    # Share of the tangential velocity that is slip.
+    + _fields("plate_slip")
 )
 
 # One entry of the pair list, with the memory of its contact; stiffness 0: not touching. With
@@ -264,6 +265,17 @@ def flight(start, velocity, time):
 def fall(start, velocity, gravity, time):
     """Height y0 + v0 t - g t^2 / 2, m."""
     return fma(fma(-0.5 * gravity, time, velocity), time, start)
+
+
+@kernel(inline=True)
+def flying_place(problem, particle, step):
+    """Position (x, y, z) of a flying particle at a lattice step, m."""
+    time = problem.dt * (step - particle.anchor_step)
+    return (
+        flight(particle.anchor_x, particle.vx, time),
+        fall(particle.anchor_y, particle.vy, problem.gravity, time),
+        flight(particle.anchor_z, particle.vz, time),
+    )
 
 
 @kernel(inline=True)

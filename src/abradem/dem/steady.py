@@ -27,6 +27,9 @@ LEAST_BINS = 20
 ROUNDING = 1e-18
 """Variance, as a share of the mean square, below which it is taken as zero."""
 
+ROUNDING_OF_TIMES = 1e-12
+"""Share of a span by which rounding may make it seem shorter than its release intervals."""
+
 LARGEST_CHANGE = 0.2
 """Largest change of the wear rate or of the particles present over a steady part, as a share of
 the mean. The wear of a bed falls by up to 1.2 % if the number of its particles grows by 1 %, so
@@ -199,7 +202,8 @@ def change(time: np.ndarray, cumulative: np.ndarray, start: float, batches: int 
     whole = float(place @ means) / float(place @ place)
     residual = means - mean - whole * place - float(bend @ means) / float(bend @ bend) * bend
     scatter = float(residual @ residual) / (batches - 3)
-    stderr = math.sqrt(scatter / float(place @ place)) * _enlarged(_lag1(residual), batches)
+    factor = correlation_factor(lag1_correlation(residual), batches)
+    stderr = math.sqrt(scatter / float(place @ place)) * factor
     return Change(whole / mean, stderr / mean)
 
 
@@ -221,35 +225,48 @@ def _batches(time: np.ndarray, cumulative: np.ndarray, start: float, number: int
     return np.diff(np.interp(edges, time, cumulative)) / (span / number)
 
 
-def _lag1(deviation: np.ndarray) -> float:
+def lag1_correlation(deviation: np.ndarray) -> float:
     """Lag-1 correlation of deviations from a mean or a line."""
     spread = float(deviation @ deviation)
     return float(deviation[1:] @ deviation[:-1] / spread) if spread > 0 else 0.0
 
 
-def _enlarged(lag1: float, batches: int) -> float:
-    """Factor of a standard error; above 1 if the lag-1 correlation of batches is significant."""
+def correlation_factor(lag1: float, batches: int) -> float:
+    """Factor of the standard error of a mean of batches whose lag-1 correlation is ``lag1``.
+
+    It is sqrt((1 + r) / (1 - r)) for a significantly positive correlation r, otherwise 1.
+    """
     if lag1 > LAG1_QUANTILE / np.sqrt(batches):
         return float(np.sqrt((1.0 + lag1) / (1.0 - lag1)))
     return 1.0
 
 
 def batch_means(
-    time: np.ndarray, cumulative: np.ndarray, start: float, minimum: int = 20
+    time: np.ndarray,
+    cumulative: np.ndarray,
+    start: float,
+    minimum: int = 20,
+    release_interval: float = 0.0,
 ) -> BatchMeans:
     """Return the rate of a cumulative series from ``start`` on, by the method of batch means.
 
     The increments are divided into equal batches (Law 2015, Simulation Modeling and Analysis,
-    chapter 9).
+    chapter 9). The factory releases particles evenly in time. Where a batch holds few of them, one
+    more or one less would count as scatter of the rate, so batches are whole release intervals
+    and their edges are where the plate wears least, between the impacts of two particles.
 
     Parameters
     ----------
     time, cumulative : ndarray, shape (n,)
         Sample times, s, and the cumulative series; values at the batch edges are interpolated.
     start : float
-        Start of the steady state, s.
+        Start of the steady state, s. Less than one batch and one release interval after it are
+        left out.
     minimum : int
-        Number of batches.
+        Least number of batches.
+    release_interval : float
+        Time between two releases, s; 0 if they are not even. Parts with fewer intervals than
+        ``minimum`` are divided into that many equal batches.
 
     Returns
     -------
@@ -259,11 +276,35 @@ def batch_means(
         significantly positive. All are nan, and ``batches`` is 0, if there are fewer samples
         than batches.
     """
-    if minimum < 2:
+    time = np.asarray(time, dtype=float)
+    if minimum < 2 or not np.count_nonzero(time > start) >= minimum:
         return BatchMeans(np.nan, np.nan, np.nan, 0)
-    means = _batches(np.asarray(time, dtype=float), cumulative, start, minimum)
-    if means is None:
-        return BatchMeans(np.nan, np.nan, np.nan, 0)
-    lag1 = _lag1(means - means.mean())
-    stderr = float(means.std(ddof=1) / np.sqrt(minimum)) * _enlarged(lag1, minimum)
-    return BatchMeans(float(means.mean()), stderr, lag1, minimum)
+    edges = np.linspace(start, time[-1], minimum + 1)
+    if release_interval > 0.0:
+        end = _quiet_end(time, cumulative, start, release_interval)
+        intervals = int((end - start) / release_interval * (1.0 + ROUNDING_OF_TIMES))
+        if intervals >= minimum:
+            each = intervals // minimum
+            places = np.arange(intervals // each, -1, -1)
+            edges = end - each * release_interval * places
+    number = edges.size - 1
+    length = (edges[-1] - edges[0]) / number
+    means = np.diff(np.interp(edges, time, cumulative)) / length
+    lag1 = lag1_correlation(means - means.mean())
+    stderr = float(means.std(ddof=1) / np.sqrt(number)) * correlation_factor(lag1, number)
+    return BatchMeans(float(means.mean()), stderr, lag1, number)
+
+
+def _quiet_end(time, cumulative, start: float, release_interval: float) -> float:
+    """Latest sample at whose place in the release interval the plate wears least; the last sample
+    if an interval has fewer than four samples, as batches then hold many particles."""
+    samples = int(release_interval * (time.size - 1) / (time[-1] - time[0]))
+    if samples < 4:
+        return float(time[-1])
+    ends = time[-1 : -1 - samples : -1]
+    # Places of all candidates, except those so late that their second half is not recorded.
+    count = int((ends[-1] - start) / release_interval) + 1
+    places = ends[:, None] - release_interval * np.arange(1, max(count, 2))
+    half = 0.25 * release_interval
+    worn = np.interp(places + half, time, cumulative) - np.interp(places - half, time, cumulative)
+    return float(ends[np.argmin(worn.sum(axis=1))])

@@ -40,7 +40,7 @@ def advance(problem, schedule, state, last_step):
             compact(state)
         if tally.step >= tally.next_release:
             before = tally.live
-            outcome = release_due(problem, schedule, state)
+            outcome = release_due(problem, schedule, state, None)
             for new in range(before, tally.live):
                 if not append_pairs(problem, state, new):
                     return STOP_CROWDED

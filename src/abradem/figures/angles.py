@@ -18,7 +18,11 @@ _ORDER = ("plate_angle", "factory_angle")
 
 
 def angles_figure(
-    curves: pd.DataFrame, rates: pd.DataFrame, case: Mapping[str, float], duration: float
+    curves: pd.DataFrame,
+    rates: pd.DataFrame,
+    case: Mapping[str, float],
+    duration: float,
+    measure: str,
 ) -> Figure:
     """Wear depth against time and its steady slope, for plate angles and for factory angles.
 
@@ -30,6 +34,8 @@ def angles_figure(
         Arguments of `abradem.Case`.
     duration : float
         Simulated time, s.
+    measure : str
+        Wear measure, named in the caption.
 
     Returns
     -------
@@ -56,7 +62,7 @@ def angles_figure(
         radius, speed = 1e3 * case["particle_radius"], case["particle_velocity_y"]
         style.caption(
             figure,
-            f"wear measure: total; {symbol['particle_radius']} = {radius:g} mm, "
+            f"wear measure: {measure}; {symbol['particle_radius']} = {radius:g} mm, "
             f"{symbol['particle_velocity_y']} = {style.number(speed)} m/s; unless varied, "
             f"{symbol['plate_angle']} = {style.number(case['plate_angle'])}° and "
             f"{symbol['factory_angle']} = {style.number(case['factory_angle'])}°; "

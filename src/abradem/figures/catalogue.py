@@ -92,9 +92,9 @@ FIGURES: dict[str, Entry] = {
         SIMULATIONS,
         "quality of the wear rates",
         "quality:draw",
-        "Relative standard error of the plate-mean wear depth rate, and R² of a straight line "
-        "fitted to the cumulative wear. R² of a cumulative series is always high and only "
-        "descriptive; the standard error measures the quality.",
+        "Relative standard error of the wear depth rate that the models predict, and R² of a "
+        "straight line fitted to the cumulative wear. R² of a cumulative series is always high and "
+        "only descriptive; the standard error measures the quality.",
     ),
     "maps": Entry(
         SIMULATIONS,

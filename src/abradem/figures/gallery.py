@@ -13,6 +13,7 @@ from abradem.figures import style
 from abradem.figures.maps import depth_rate_maps
 from abradem.store.tables import concatenate
 from abradem.words.labels import LABELS
+from abradem.words.wear import WearTarget
 
 
 def draw(
@@ -21,6 +22,7 @@ def draw(
     runs: Iterable[pd.DataFrame],
     setup: Mapping,
     grid: Mapping,
+    target: Mapping,
 ) -> Figure:
     """Draw `gallery_figure` for cases that represent the parameter space.
 
@@ -35,17 +37,25 @@ def draw(
         Plain values of the `Setup`.
     grid : mapping
         Arguments of `chosen_cases`.
+    target : mapping
+        Arguments of the `WearTarget` of the study, whose measure is shown.
     """
     joined = concatenate(runs)
     places = chosen_cases(cases, joined, **grid)
     chosen = list(places["case_id"])
     kept = concatenate(part[part["case_id"].isin(chosen)] for part in maps)
-    shown = depth_rate_maps(kept, joined, cases, Setup.from_dict(setup), chosen)
-    return gallery_figure(*shown, places, grid["across"], grid["down"])
+    measure = WearTarget(**target).measure
+    shown = depth_rate_maps(kept, joined, cases, Setup.from_dict(setup), chosen, measure)
+    return gallery_figure(*shown, places, grid["across"], grid["down"], measure)
 
 
 def gallery_figure(
-    facets: pd.DataFrame, panels: pd.DataFrame, places: pd.DataFrame, across: str, down: str
+    facets: pd.DataFrame,
+    panels: pd.DataFrame,
+    places: pd.DataFrame,
+    across: str,
+    down: str,
+    measure: str,
 ) -> Figure:
     """Wear maps of cases, each with its own colour scale, ordered by two quantities.
 
@@ -57,6 +67,8 @@ def gallery_figure(
         case_id, row, column from `abradem.figures.gallery.chosen_cases`.
     across, down : str
         Quantities by which columns and rows are ordered.
+    measure : str
+        Wear measure, named in the caption.
 
     Returns
     -------
@@ -86,10 +98,10 @@ def gallery_figure(
             bar.set_label("Depth rate / largest depth rate")
         style.caption(
             figure,
-            f"columns: {LABELS[across].long_name}, rows: {LABELS[down].long_name}; shown is the "
-            "case nearest to the centre of each cell of the sampled ranges; above each map: these "
-            "two quantities and the radius; below: largest depth rate; the slope rises to the "
-            "right",
+            f"wear measure: {measure}; columns: {LABELS[across].long_name}, rows: "
+            f"{LABELS[down].long_name}; shown is the case nearest to the centre of each cell of "
+            "the sampled ranges; above each map: these two quantities and the radius; below: "
+            "largest depth rate; the slope rises to the right",
         )
     return figure
 

@@ -10,13 +10,16 @@ from matplotlib.ticker import MultipleLocator
 from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
 from abradem.figures import style
 from abradem.learning.number_text import is_number, score_number, score_range
-from abradem.words.labels import LABELS, PROTOCOLS, WEAR_WORDS
+from abradem.words.labels import LABELS, PROTOCOLS
+from abradem.words.wear import WearTarget
 
 LOG_SPAN = 30.0
 """Ratio of largest to smallest value above which axes are logarithmic."""
 
 
-def coefficients_figure(coefficients: pd.DataFrame, model: dict) -> Figure:
+def coefficients_figure(
+    coefficients: pd.DataFrame, model: dict, element_size: float | None = None
+) -> Figure:
     """Standardised coefficients with intervals as bars: X1 to X10, X11 to X20.
 
     Parameters
@@ -25,6 +28,8 @@ def coefficients_figure(coefficients: pd.DataFrame, model: dict) -> Figure:
         From `abradem.learning.baselines.linear.fit_linear`.
     model : dict
         Summary of the model.
+    element_size : float, optional
+        Edge of the elements of the target, m.
 
     Returns
     -------
@@ -35,6 +40,7 @@ def coefficients_figure(coefficients: pd.DataFrame, model: dict) -> Figure:
     with style.style():
         figure, axes = style.panels(2, 1, 2.2)
         half = (len(coefficients) + 1) // 2
+        words = _target_words(model, element_size)
         # Both panels have the same vertical axis.
         limit = _coefficient_limit(coefficients)
         parts = (coefficients.iloc[:half], coefficients.iloc[half:])
@@ -44,11 +50,13 @@ def coefficients_figure(coefficients: pd.DataFrame, model: dict) -> Figure:
             panel.set_title(f"{style.letter(index)} {first} to {last}", loc="left")
             panel.set_ylabel("Standardised coefficient")
         figure.legend(handles=style.feature_handles(), loc="outside upper center", ncols=2)
-        style.caption(figure, "\n".join(_coefficient_words(coefficients, model, limit)))
+        style.caption(figure, "\n".join(_coefficient_words(coefficients, model, limit, words)))
     return figure
 
 
-def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
+def predicted_figure(
+    predictions: pd.DataFrame, model: dict, element_size: float | None = None
+) -> Figure:
     """Predicted against simulated wear of held-out cases, with the 1:1 line.
 
     Parameters
@@ -58,6 +66,8 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
         protocol of the model are shown.
     model : dict
         Summary of the model.
+    element_size : float, optional
+        Edge of the elements of the target, m.
 
     Returns
     -------
@@ -110,7 +120,7 @@ def predicted_figure(predictions: pd.DataFrame, model: dict) -> Figure:
         splits = model["splits"]
         style.caption(
             figure,
-            f"{_target_words(model)}; {model['model']} model, "
+            f"{_target_words(model, element_size)}; {model['model']} model, "
             f"{PROTOCOLS[model['protocol']]} protocol, {splits['rows']} cases; held-out cases of "
             f"{splits['repeats']} random splits ({splits['train']} train, {splits['test']} test), "
             "one fit per split",
@@ -158,11 +168,13 @@ def _coefficient_limit(coefficients: pd.DataFrame) -> float:
     return most if most > 0.0 else 1.0
 
 
-def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) -> list[str]:
+def _coefficient_words(
+    coefficients: pd.DataFrame, model: dict, limit: float, target: str
+) -> list[str]:
     share = 100.0 * model["confidence"]
     rows = model["splits"]["rows"]
     protocol = PROTOCOLS[model["protocol"]]
-    first = f"{_target_words(model)}; protocol: {protocol}; least squares on all {rows} cases"
+    first = f"{target}; protocol: {protocol}; least squares on all {rows} cases"
     ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
     if not np.isfinite(ends).any():
         free = int((coefficients["variation"] != HELD_FIXED).sum())
@@ -175,9 +187,8 @@ def _coefficient_words(coefficients: pd.DataFrame, model: dict, limit: float) ->
     return [first, second]
 
 
-def _target_words(model: dict) -> str:
-    name = model["target"]["name"]
-    words = WEAR_WORDS[name]
+def _target_words(model: dict, element_size: float | None) -> str:
+    words = WearTarget(model["target"]["name"], element_size).explained
     return words[0].upper() + words[1:]
 
 

@@ -15,6 +15,7 @@ from abradem.quantities import SAMPLED_NAMES
 from abradem.store.tables import concatenate
 from abradem.units import MM_PER_M
 from abradem.wear.rates import depth_map
+from abradem.words.wear import WearTarget
 
 
 def draw(
@@ -23,26 +24,30 @@ def draw(
     cases: Iterable[pd.DataFrame],
     setup: Mapping,
     shown: Sequence[int],
+    target: Mapping,
 ) -> Figure:
     """Draw `wear_maps_figure` from the tables of the batches, see `depth_rate_maps`."""
     worn, ended, drawn = (concatenate(parts) for parts in (maps, runs, cases))
-    return wear_maps_figure(*depth_rate_maps(worn, ended, drawn, Setup.from_dict(setup), shown))
+    values, explained = Setup.from_dict(setup), WearTarget(**target)
+    found = depth_rate_maps(worn, ended, drawn, values, shown, explained.measure)
+    return wear_maps_figure(*found, explained)
 
 
-def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, measure: str = "total") -> Figure:
+def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, target: WearTarget) -> Figure:
     """Wear depth rate of every facet of the plate, one panel per case.
 
     Parameters
     ----------
     facets, panels : pandas.DataFrame
         From `abradem.figures.maps.depth_rate_maps`.
-    measure : str
-        Wear measure, named in the caption.
+    target : WearTarget
+        Target of the study; the caption names its measure.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Every panel has its own colour bar, as wear constants differ by decades between cases.
+        Every panel has its own colour bar, as wear constants differ by decades between cases. If
+        the target is a statistic over elements larger than a facet, lines show their edges.
     """
     with style.style():
         if panels.empty:
@@ -50,6 +55,7 @@ def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, measure: str = 
             style.say_nothing_to_show(axes[0], "none of the cases was simulated")
             return figure
         figure, axes = style.panels(len(panels), 3, 2.0)
+        lined = False
         for index, (panel, row) in enumerate(zip(axes, panels.to_dict("records"), strict=True)):
             style.title_case(panel, index, row)
             rows = facets[facets["case_id"] == row["case_id"]]
@@ -57,17 +63,18 @@ def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, measure: str = 
                 words = "no steady state" if row["status"] == "ok" else row["status"]
                 style.say_nothing_to_show(panel, words)
             else:
-                _map_panel(figure, panel, rows)
+                lined |= _map_panel(figure, panel, rows, target)
         style.caption(
             figure,
-            f"wear measure: {measure}; depth rate of each facet {_window_words(panels)}; x: along "
-            "the slope, z: across, from the centre of the plate; each panel has its own colour "
-            "scale",
+            f"wear measure: {target.measure}; depth rate of each facet {_window_words(panels)}; "
+            "x: along the slope, z: across, from the centre of the plate; each panel has its own "
+            "colour scale" + (f"; lines: elements of the target, {target.place}" if lined else ""),
         )
     return figure
 
 
-def _map_panel(figure: Figure, panel, rows: pd.DataFrame) -> None:
+def _map_panel(figure: Figure, panel, rows: pd.DataFrame, target: WearTarget) -> bool:
+    """Draw a map; return whether the edges of the elements of the target are drawn on it."""
     grid = rows.pivot(index="z", columns="x", values="depth_rate")
     x, z = _edges(grid.columns.to_numpy()), _edges(grid.index.to_numpy())
     power = style.decade(grid.to_numpy().max())
@@ -81,6 +88,14 @@ def _map_panel(figure: Figure, panel, rows: pd.DataFrame) -> None:
     bar = figure.colorbar(mesh, cax=panel.inset_axes([1.05, 0.0, 0.055, 1.0]))
     bar.outline.set_linewidth(0.6)
     bar.set_label(f"Depth rate ({style.scaled_unit(power, 'mm/s')})", fontsize=7.0)
+    size = target.element_size
+    if not target.has_elements or size is None or MM_PER_M * size < 1.5 * (x[1] - x[0]):
+        return False
+    for edges, line in ((x, panel.axvline), (z, panel.axhline)):
+        count = round((edges[-1] - edges[0]) / (MM_PER_M * size))
+        for place in np.linspace(edges[0], edges[-1], count + 1)[1:-1]:
+            line(place, color=style.GREY, lw=0.4)
+    return True
 
 
 def _edges(middles: np.ndarray) -> np.ndarray:
@@ -103,7 +118,7 @@ def depth_rate_maps(
     cases: pd.DataFrame,
     setup: Setup,
     shown: Sequence[int],
-    measure: str = "total",
+    measure: str,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Wear depth rate of every facet within the averaging window, for some cases.
 

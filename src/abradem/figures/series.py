@@ -17,7 +17,8 @@ from abradem.figures.cases_shown import runs_shown, stacked
 from abradem.quantities import SAMPLED_NAMES
 from abradem.store.tables import concatenate
 from abradem.units import MM_PER_M
-from abradem.wear.rates import steady_rate
+from abradem.wear.rates import release_interval, steady_rate
+from abradem.words.wear import WearTarget
 
 
 def draw(
@@ -27,24 +28,27 @@ def draw(
     setup: Mapping,
     shown: Sequence[int],
     min_batches: int,
+    target: Mapping,
 ) -> Figure:
     """Draw `series_figure` from the tables of the batches, see `depth_series`."""
     records, ended, drawn = (concatenate(parts) for parts in (series, runs, cases))
-    values = Setup.from_dict(setup)
+    values, explained = Setup.from_dict(setup), WearTarget(**target)
     return series_figure(
-        *depth_series(records, ended, drawn, values, shown, min_batches=min_batches)
+        *depth_series(records, ended, drawn, values, shown, explained.measure, min_batches),
+        explained,
     )
 
 
-def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, measure: str = "total") -> Figure:
+def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, target: WearTarget) -> Figure:
     """Mean wear depth of the plate against time, one panel per case.
 
     Parameters
     ----------
     curves, fits : pandas.DataFrame
         From `abradem.figures.series.depth_series`.
-    measure : str
-        Wear measure, named in the caption.
+    target : WearTarget
+        Target of the study; the caption names its measure, and says so if it is not the mean over
+        the plate, which is all that the series hold.
 
     Returns
     -------
@@ -73,8 +77,13 @@ def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, measure: str = "tota
         )
         style.caption(
             figure,
-            f"wear measure: {measure}; slope ± standard error from batch means of the steady part; "
-            r"$R^2$ of the cumulative curve is only descriptive",
+            f"wear measure: {target.measure}; slope ± standard error from batch means of the "
+            r"steady part; $R^2$ of the cumulative curve is only descriptive"
+            + (
+                f"; the models predict another statistic, {target.place}"
+                if target.has_elements
+                else ""
+            ),
         )
     return figure
 
@@ -117,7 +126,7 @@ def depth_series(
     cases: pd.DataFrame,
     setup: Setup,
     shown: Sequence[int],
-    measure: str = "total",
+    measure: str,
     min_batches: int = 20,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Mean wear depth of the plate against time for some cases, and the fitted slopes.
@@ -152,7 +161,8 @@ def depth_series(
         depth = per_joule * rows[f"worn_{measure}"].to_numpy(dtype=float)
         curves.append(pd.DataFrame({"case_id": key, "time": time, "wear_depth": depth}))
         start = run["steady_from"]
-        fit = steady_rate(time, depth, start, min_batches)
+        interval = release_interval(run, rows["delivered_mass"].max())
+        fit = steady_rate(time, depth, start, min_batches, interval)
         known = np.isfinite(fit.rate)
         from_depth = float(np.interp(start, time, depth)) if known else np.nan
         end = time[-1] if known else np.nan

@@ -30,7 +30,9 @@ _PICTURE = (0.0, 0.07, 0.60, 0.93)
 _MAP = (0.665, 0.28, 0.225, 0.225 * style.PAGE / HEIGHT)
 
 
-def draw(particles: pd.DataFrame, wear: pd.DataFrame, case: Mapping, setup: Mapping) -> Figure:
+def draw(
+    particles: pd.DataFrame, wear: pd.DataFrame, case: Mapping, setup: Mapping, measure: str
+) -> Figure:
     """Draw `setup_figure` from the last snapshot of a case.
 
     Parameters
@@ -39,11 +41,13 @@ def draw(particles: pd.DataFrame, wear: pd.DataFrame, case: Mapping, setup: Mapp
         Snapshots from `abradem.simulation.snapshots`.
     case, setup : mapping
         Plain values of `Case` and `Setup`.
+    measure : str
+        Wear measure.
     """
     values = Setup.from_dict(setup)
-    times, depth = depth_frames(wear, case, values)
+    times, depth = depth_frames(wear, case, values, measure)
     last = particles[particles["time"] == times[-1]]
-    return setup_figure(last, depth[-1], times[-1], case, values)
+    return setup_figure(last, depth[-1], times[-1], case, values, measure)
 
 
 def setup_figure(
@@ -52,6 +56,7 @@ def setup_figure(
     time: float,
     case: Mapping[str, float],
     setup: Setup,
+    measure: str,
 ) -> Figure:
     """Plate, factory and particles in three dimensions, with the wear map as a call-out.
 
@@ -66,6 +71,8 @@ def setup_figure(
     case : mapping
         Arguments of `abradem.Case`.
     setup : Setup
+    measure : str
+        Wear measure of the depth, named in the caption.
     """
     with style.style():
         figure = Figure(figsize=(style.PAGE, HEIGHT))
@@ -108,8 +115,8 @@ def setup_figure(
             )
         )
         figure.text(
-            0.5, 0.012, _words(particles, case, setup), ha="center", va="bottom", fontsize=6.5,
-            color=style.GREY,
+            0.5, 0.012, _words(particles, case, setup, measure), ha="center", va="bottom",
+            fontsize=6.5, color=style.GREY,
         )  # fmt: skip
     return figure
 
@@ -254,7 +261,7 @@ def _word(scene, camera, place, words, ha, va="center", shift=(0, 0), color=styl
     )  # fmt: skip
 
 
-def _words(particles: pd.DataFrame, case: Mapping[str, float], setup: Setup) -> str:
+def _words(particles: pd.DataFrame, case: Mapping[str, float], setup: Setup, measure: str) -> str:
     rate = (
         f"{setup.mass_rate:g} kg/s"
         if setup.mass_rate is not None
@@ -263,5 +270,6 @@ def _words(particles: pd.DataFrame, case: Mapping[str, float], setup: Setup) -> 
     return (
         f"{len(particles)} particles of {_number(1e3 * case['particle_radius'])} mm radius, "
         f"{rate}; all other quantities in the middle of their ranges; "
-        f"{_symbol('archard_constant')} = {style.number(case['archard_constant'])} 1/Pa"
+        f"{_symbol('archard_constant')} = {style.number(case['archard_constant'])} 1/Pa; "
+        f"wear measure: {measure}"
     )

@@ -22,11 +22,12 @@ _CODES = {
 
 _MEANING = (
     "A, M, B: 500 particles of 10 mm per second on plates at 45°, 20°, 0°; "
-    "D: 4 kg/s of 5 mm particles on a level plate"
+    "D: 4 kg/s of 5 mm particles on a level plate; "
+    "E, F: 42 kg/s of 10 mm particles on plates at 35°, 10°"
 )
 """Definition of the scenarios."""
 
-_SCENARIOS = (style.BLUE, style.GREEN, style.ORANGE, style.RED, style.PURPLE)
+_SCENARIOS = (style.BLUE, style.GREEN, style.ORANGE, style.RED, style.PURPLE, style.SKY)
 
 
 def _code_label(code: str) -> str:
@@ -141,7 +142,6 @@ def rates_figure(rates: pd.DataFrame) -> Figure:
 
 _TOUCH = {
     "asleep": (style.SKY, 0.7, "asleep"),
-    "awake": (style.BLACK, 2.0, "awake, no contact"),
     "plate": (style.BLUE, 4.0, "plate contact"),
     "particle": (style.RED, 4.0, "particle contact"),
 }
@@ -149,13 +149,13 @@ _TOUCH = {
 
 
 def islands_figure(spans: pd.DataFrame, contacts: pd.DataFrame, zooms) -> Figure:
-    """State of each particle of a small scene over time: asleep, awake or in contact.
+    """State of each particle of a small scene over time: asleep or in contact.
 
     Parameters
     ----------
     spans : DataFrame
-        ``particle``, ``begin``, ``end`` (s), ``does`` (asleep, awake, plate, particle): state of
-        the particle from begin to end.
+        ``particle``, ``begin``, ``end`` (s), ``does`` (asleep, plate, particle): state of the
+        particle from begin to end.
     contacts : DataFrame
         ``particle``, ``partner``, ``begin``, ``end`` (s): contacts between particles.
     zooms : sequence of tuple of float

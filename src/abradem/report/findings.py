@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 import pandas as pd
 
 from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
+from abradem.learning.exponents import AGREES, COMBINED_ERRORS, LEAST_SPEED, UNKNOWN
 from abradem.learning.number_text import (
     is_number,
     number_or_words,
@@ -18,7 +19,8 @@ from abradem.learning.number_text import (
 from abradem.learning.physical.models import BEST
 from abradem.learning.physical.reach import TESTS
 from abradem.words.escaping import for_html
-from abradem.words.labels import LABELS
+from abradem.words.labels import LABELS, POWER_LABELS
+from abradem.words.wear import WearTarget
 
 NAMES = {
     "power_law": "power law",
@@ -39,6 +41,8 @@ def findings(
     falls: pd.DataFrame,
     noise: Mapping | None = None,
     speed: Mapping | None = None,
+    exponents: pd.DataFrame | None = None,
+    target: WearTarget | None = None,
 ) -> list[tuple[str, str]]:
     """Findings of a study.
 
@@ -54,6 +58,10 @@ def findings(
         From `abradem.learning.physical.noise_floor`; None without simulations.
     speed : mapping, optional
         From `abradem.learning.physical.speed_up`; None without simulations.
+    exponents : pandas.DataFrame, optional
+        From `abradem.learning.exponents`.
+    target : WearTarget, optional
+        Target of the study; None if the data set was not simulated.
 
     Returns
     -------
@@ -68,10 +76,14 @@ def findings(
         ("Learning curve", _curve(curve)),
         ("Extrapolation", _extrapolation(extrapolation, fixed)),
     ]
+    if exponents is not None:
+        found.insert(2, ("Exponents beside the published data", _exponents(exponents)))
     if physical["repeated"]["rows"]:
         found.insert(0, ("Repeated rows", _repeated(physical["rows"], physical["repeated"])))
     if fixed:
         found.insert(0, ("Held fixed", _held_fixed(fixed)))
+    if target is not None:
+        found.insert(0, ("Target", f"The models predict the {target.explained}."))
     found.append(("Sensitivity", _sensitivity(sensitivity, indices, falls)))
     if speed is not None:
         found.append(("Speed", _speed(speed)))
@@ -196,6 +208,26 @@ def _power_law(physical: Mapping) -> str:
     if untold:
         said += f" {NOT_IDENTIFIED.capitalize()}: {', '.join(untold)}."
     return said
+
+
+def _exponents(table: pd.DataFrame) -> str:
+    """The exponents of the study beside those of the published data, and how many agree."""
+    cases = f"{table['rows'].iloc[0]} cases faster than {LEAST_SPEED:g} m/s"
+    known = table[table["verdict"] != UNKNOWN]
+    if known.empty:
+        return f"The {cases} do not determine the exponents of the quantities."
+    parts = ", ".join(
+        f"{POWER_LABELS[row.quantity].long_name} "
+        f"{number_with_error(row.exponent, row.exponent_stderr)} (published "
+        f"{number_with_error(row.published_exponent, row.published_stderr)}, {row.verdict})"
+        for row in known.itertuples()
+    )
+    agree = int((known["verdict"] == AGREES).sum())
+    return (
+        f"Exponents of the wear in the {cases}, beside those of the data that the paper's authors "
+        f"published: {parts}. {agree} of {len(known)} agree within {COMBINED_ERRORS:g} combined "
+        "standard errors."
+    )
 
 
 def _held_fixed(fixed: Collection[str]) -> str:

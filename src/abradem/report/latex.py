@@ -27,7 +27,7 @@ from abradem.dataset.variation import HELD_FIXED, held_fixed, scales_of
 from abradem.learning.number_text import LARGEST, LOWEST_SCORE, UNDETERMINED, is_number
 from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED, quantity
 from abradem.words.escaping import for_latex
-from abradem.words.labels import LABELS
+from abradem.words.labels import LABELS, POWER_LABELS
 
 MISSING = "--"
 """Printed where there is no such number, such as a score that the paper does not state."""
@@ -273,6 +273,7 @@ def camel(name: str) -> str:
 
 CONFIG, DATASET, SUMMARY = "config.yaml", "dataset.parquet", "summary.json"
 COMPARISON, BESIDE = "learning/comparison.parquet", "learning/beside_paper.parquet"
+EXPONENTS = "learning/exponents.parquet"
 SCORES, SELECTION = "learning/scores.parquet", "learning/selection.parquet"
 NETWORKS = {
     protocol: f"learning/ga_ann_{protocol}.json" for protocol in ("as_published", "leakage_free")
@@ -305,6 +306,7 @@ def study_numbers(results: CitedResults) -> dict[str, Number]:
         "TestSharePercent": number(CONFIG, "learning.test_share", "4g", True),
         "NumberOfCases": number(SUMMARY, "cases", "d"),
         "NumberOfRows": number(DATASET, "count", "d"),
+        "WearRateMeaning": number(SUMMARY, "target_words", "text"),
         "WearRateMin": number(DATASET, f"min {results.value(SUMMARY, 'target')}"),
         "WearRateMax": number(DATASET, f"max {results.value(SUMMARY, 'target')}"),
         "WearRateMedian": number(DATASET, f"median {results.value(SUMMARY, 'target')}"),
@@ -408,6 +410,8 @@ def quantities_tex(results: CitedResults, study: str) -> str:
         else:
             formula = DERIVATIONS.get(row.name, "")
             formula = formula[form] if isinstance(formula, dict) else formula
+            if row.kind == "target":
+                head[2] = results.number(SUMMARY, "target_words", "text").text
             rows.append([*head, "", "", f"${formula}$" if formula else "simulated"])
     head = ["", "Symbol", "Quantity", "Unit", "Minimum", "Maximum", "Derived from"]
     return table_tex("llllrrl", head, rows, study)
@@ -474,6 +478,22 @@ def models_tex(results: CitedResults, names: Mapping[str, str], study: str) -> s
         rows.append([for_latex(names.get(row.model, row.model)), *cells, for_latex(row.basis)])
     head = ["Model", "Printed", "As published", "Leakage-free", "From", "To", "Interval over"]
     return table_tex("lrrrrrl", head, rows, study)
+
+
+def exponents_tex(results: CitedResults, study: str) -> str:
+    """Table of the exponents of the wear rate beside those of the published data."""
+    rows: list[list[str | Number]] = []
+    for row in results.files[EXPONENTS].itertuples(index=False):
+        label = POWER_LABELS[row.quantity]
+        cells = [
+            results.number(EXPONENTS, f"{column} where quantity={row.quantity}", "2f")
+            for column in (
+                "exponent", "exponent_stderr", "published_exponent", "published_stderr",
+            )
+        ]  # fmt: skip
+        rows.append([label.long_name, f"${label.tex}$", *cells, for_latex(row.verdict)])
+    head = ["Quantity", "Symbol", "Exponent", "Error", "Published", "Error", "Verdict"]
+    return table_tex("llrrrrl", head, rows, study)
 
 
 def verification_tex(results: CitedResults, parts: Mapping[int, str], study: str) -> str:

@@ -8,7 +8,9 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset.join import reasons
+from abradem.dataset.relative_errors import relative_stderr
 from abradem.words.labels import LABELS
+from abradem.words.wear import WearTarget
 
 
 def study_summary(
@@ -18,6 +20,7 @@ def study_summary(
     comparison: pd.DataFrame,
     good_r2: float,
     external: str | None = None,
+    element_size: float | None = None,
 ) -> dict:
     """Headline numbers of a study.
 
@@ -33,25 +36,33 @@ def study_summary(
         Smallest R2 of a cumulative series that counts as good.
     external : str, optional
         Path of the external table, if the data set was not simulated.
+    element_size : float, optional
+        Edge of the elements of the target, m.
 
     Returns
     -------
     dict
-        ``external``, ``cases``, ``target``, ``wear_range`` (mm/s), ``models`` (leakage-free R2 on
-        held-out rows: model, r2, lower, upper, basis), ``held_fixed`` (quantities that did not
-        vary) and ``misprints`` of the printed equation (None unless the data set is the paper's).
+        ``external``, ``cases``, ``target``, ``target_words`` (what the target is; for an external
+        table only that it is a wear depth rate), ``wear_range`` (mm/s), ``models`` (leakage-free
+        R2 on held-out rows: model, r2, lower, upper, basis), ``held_fixed`` (quantities that did
+        not vary) and ``misprints`` of the printed equation (None unless the data set is the
+        paper's).
         For simulations also the entries of `quality_counts`, with ``cases`` the number of sampled
         cases, ``simulated`` those in the data set, ``failures`` the others, and ``reasons`` the
         number of failures by reason.
     """
-    target = dataset[linear["target"]["name"]]
+    name = linear["target"]["name"]
+    target = dataset[name]
     found = {
         "external": external,
         "cases": len(dataset),
-        "target": linear["target"]["name"],
+        "target": name,
+        "target_words": (
+            WearTarget(name, element_size).words if external is None else LABELS[name].long_name
+        ),
         "wear_range": [float(target.min()), float(target.max())],
         "misprints": linear["misprints"],
-        "held_fixed": [LABELS[name].long_name for name in linear["held_fixed"]],
+        "held_fixed": [LABELS[one].long_name for one in linear["held_fixed"]],
         "models": [
             {
                 "model": row.model,
@@ -68,7 +79,7 @@ def study_summary(
     if failures is None:
         return found
     return {
-        **quality_counts(dataset, good_r2),
+        **quality_counts(dataset, name, good_r2),
         **found,
         "cases": len(dataset) + len(failures),
         "simulated": len(dataset),
@@ -77,14 +88,16 @@ def study_summary(
     }
 
 
-def quality_counts(rates: pd.DataFrame, good_r2: float = 0.95) -> dict:
+def quality_counts(rates: pd.DataFrame, target: str, good_r2: float = 0.95) -> dict:
     """Quality of the wear rates of a study.
 
     Parameters
     ----------
     rates : pandas.DataFrame
-        Holds wear_r2, wear_total_mean, wear_total_mean_stderr and quality, as the wear-rate
-        tables and the data set do.
+        Holds wear_r2, quality, the target and its standard error, as the wear-rate tables and the
+        data set do.
+    target : str
+        A wear-rate column.
     good_r2 : float
         Smallest R2 of a cumulative series that counts as good.
 
@@ -92,14 +105,15 @@ def quality_counts(rates: pd.DataFrame, good_r2: float = 0.95) -> dict:
     -------
     dict
         ``cases``, ``good_r2`` (the limit), ``cases_with_good_r2``, ``cases_without_flag``,
-        ``flags`` (flag -> cases) and ``median_relative_stderr``.
+        ``flags`` (flag -> cases) and ``median_relative_stderr`` (of the positive targets; nan if
+        it is not known).
     """
     flags: dict[str, int] = {}
     for text in rates["quality"]:
         for flag in text.split("+"):
             flags[flag] = flags.get(flag, 0) + 1
     unflagged = flags.pop("ok", 0)
-    relative = (rates["wear_total_mean_stderr"] / rates["wear_total_mean"]).to_numpy(dtype=float)
+    relative = relative_stderr(rates, target)
     relative = relative[np.isfinite(relative)]
     return {
         "cases": len(rates),

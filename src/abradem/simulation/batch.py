@@ -1,7 +1,7 @@
-"""Simulations in batches: consecutive cases of one block, simulated by one job, in three tables.
+"""Simulations in batches: consecutive cases of one block, simulated by one job, in four tables.
 
 A batch is a pure function of the cases of the block, the set-up and the code, so a study can be
-enlarged without a change of existing results. A fourth table, the processor time of each case,
+enlarged without a change of existing results. A fifth table, the processor time of each case,
 depends on the machine. Each finished case is saved immediately, under a name derived from
 everything that determines it and with the checksums of its files. An interrupted batch continues
 with the saved cases and gives the same bytes as an uninterrupted one (except for the times); a
@@ -24,10 +24,10 @@ from abradem.dem.model import Case, Setup
 from abradem.quantities import SAMPLED_NAMES, WEAR_MEASURES
 from abradem.store.locks import locked
 
-TABLES = ("series", "maps", "runs")
+TABLES = ("series", "maps", "parts", "runs")
 """Tables with the result of a case."""
 
-FILES = ("series", "maps", "times", "runs")
+FILES = ("series", "maps", "parts", "times", "runs")
 """Tables saved for a case, in the order of writing: if ``runs`` exists, so do the others."""
 
 SUMS = "sums"
@@ -71,7 +71,7 @@ def run_case(row: Mapping, setup: Mapping) -> dict:
     Returns
     -------
     dict
-        A DataFrame for each name in `TABLES`. ``series`` and ``maps`` are empty for a case that
+        A DataFrame for each name in `TABLES`. All but ``runs`` are empty for a case that
         was not simulated because it is rejected, because the engine refuses it, or because of an
         arithmetic error.
 
@@ -253,16 +253,51 @@ def _tables(row: Mapping, result) -> dict:
     numbers["window_start"], numbers["window_end"] = (float(end) for end in result.window)
     counts = {name: int(getattr(result, name)) for name in ("released", "removed")}
     counts["settled"] = bool(result.settled)
-    return {"series": series, "maps": maps, "runs": _run_row(row, result.status, numbers, counts)}
+    counts["window_parts"] = len(result.facet_wear_parts)
+    return {
+        "series": series,
+        "maps": maps,
+        "parts": _parts(case_id, result.facet_wear_parts),
+        "runs": _run_row(row, result.status, numbers, counts),
+    }
+
+
+PART_BITS = 12
+"""Significant bits of the wear in the parts of a window. They only tell standard errors, and
+rounded they take half of the space."""
+
+
+def _parts(case_id: int, wear):
+    """Return the table of the parts of a window, shape (parts, 3, nx, nz), where there is wear."""
+    import numpy as np
+    import pandas as pd
+
+    part, facet_x, facet_z = (
+        index.astype(np.int32) for index in np.nonzero((wear != 0.0).any(axis=1))
+    )
+    table = pd.DataFrame(
+        {
+            "case_id": np.full(part.size, case_id, dtype=np.int64),
+            "window_part": part,
+            "facet_x": facet_x,
+            "facet_z": facet_z,
+        }
+    )
+    for index, measure in enumerate(WEAR_MEASURES):
+        mantissa, exponent = np.frexp(wear[part, index, facet_x, facet_z])
+        rounded = np.ldexp(np.round(mantissa * 2**PART_BITS), exponent - PART_BITS)
+        table[f"part_wear_{measure}"] = rounded.astype(np.float32)
+    return table
 
 
 def _without_result(row: Mapping, status: str) -> dict:
     """Return the tables of a case that was not simulated."""
+    import numpy as np
     import pandas as pd
 
     numbers = dict.fromkeys((*_RUN_NUMBERS, "window_start", "window_end"), math.nan)
     numbers["simulated_time"] = 0.0
-    counts = {"settled": False, "released": 0, "removed": 0}
+    counts = {"settled": False, "window_parts": 0, "released": 0, "removed": 0}
     series = ("time", *(f"worn_{measure}" for measure in WEAR_MEASURES), "delivered_mass")
     present = {"case_id": "int64", "particles_present": "int32"}
     wear = tuple(f"wear_{measure}" for measure in WEAR_MEASURES)
@@ -272,6 +307,7 @@ def _without_result(row: Mapping, status: str) -> dict:
             columns=("case_id", *series, "particles_present"), dtype=float
         ).astype(present),
         "maps": pd.DataFrame(columns=(*integers, *wear), dtype=float).astype(integers),
+        "parts": _parts(int(row["case_id"]), np.empty((0, len(WEAR_MEASURES), 0, 0))),
         "runs": _run_row(row, status, numbers, counts),
     }
 
@@ -283,8 +319,9 @@ _RUN_NUMBERS = (
 
 _RUN_COLUMNS = (
     "case_id", "block", "seed", "status", "simulated_time", "steady_from", "settled",
-    "window_start", "window_end", "stderr", "time_step", "requested_rate", "delivered_rate",
-    "face_share", "edge_share", "missed_share", "max_overlap", "released", "removed",
+    "window_start", "window_end", "window_parts", "stderr", "time_step", "requested_rate",
+    "delivered_rate", "face_share", "edge_share", "missed_share", "max_overlap", "released",
+    "removed",
 )  # fmt: skip
 
 

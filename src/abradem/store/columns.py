@@ -8,7 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from abradem.quantities import QUANTITIES, STATISTICS, TARGET, WEAR_MEASURES, wear_column
+from abradem.quantities import (
+    QUANTITIES,
+    STATISTICS,
+    TARGET,
+    WEAR_MEASURES,
+    stderr_column,
+    wear_column,
+)
 from abradem.words.labels import LABELS, MEASURE_WORDS, STATISTIC_WORDS
 
 
@@ -22,7 +29,7 @@ class Column:
         Unit; "1" for dimensionless numbers and text.
     long_name : str
         Short description.
-    dtype : {"float64", "int64", "int32", "bool", "string"}
+    dtype : {"float64", "float32", "int64", "int32", "bool", "string"}
     """
 
     unit: str
@@ -62,6 +69,19 @@ MAPS = {
 }
 
 
+PARTS = {
+    "window_part": Column("1", "part of the window, in order of time, from 0", "int32"),
+    **{
+        f"part_wear_{measure}": Column(
+            "J",
+            f"normal force times distance in the part of the window ({MEASURE_WORDS[measure]})",
+            "float32",
+        )
+        for measure in WEAR_MEASURES
+    },
+}
+
+
 RUNS = {
     "settled": Column("1", "whether wear rate and particles present had stopped to drift", "bool"),
     "status": Column("1", "ok, or why the case ended early", "string"),
@@ -69,6 +89,7 @@ RUNS = {
     "steady_from": Column("s", "end of the transient"),
     "window_start": Column("s", "start of the window over which facets are compared"),
     "window_end": Column("s", "end of the window over which facets are compared"),
+    "window_parts": Column("1", "equal parts of the window, 0 if there is none", "int32"),
     "stderr": Column("1", "relative standard error of the mean wear rate at the stop"),
     "time_step": Column("s", "time step"),
     "requested_rate": Column("kg/s", "feed asked for"),
@@ -94,7 +115,15 @@ WEAR_RATES = {
         for measure in WEAR_MEASURES
         for statistic in STATISTICS
     },
-    "wear_total_mean_stderr": Column("mm/s", "standard error of the plate-mean wear depth rate"),
+    **{
+        stderr_column(wear_column(measure, statistic)): Column(
+            "mm/s",
+            f"standard error of the wear depth rate, {STATISTIC_WORDS[statistic]} "
+            f"({MEASURE_WORDS[measure]})",
+        )
+        for measure in WEAR_MEASURES
+        for statistic in STATISTICS
+    },
     "wear_r2": Column("1", "R2 of the cumulative wear against a straight line (description)"),
     "wear_batches": Column("1", "batches of increments behind the standard error", "int32"),
     "wear_lag1": Column("1", "lag-1 correlation of the batches"),
@@ -226,6 +255,7 @@ COLUMNS: dict[str, Column] = {
     **CASES,
     **SERIES,
     **MAPS,
+    **PARTS,
     **RUNS,
     **TIMES,
     **WEAR_RATES,
@@ -276,6 +306,21 @@ RULE_GRAPH = {
 
 def _columns(unit: str, dtype: str = "float64", /, **names: str) -> dict[str, Column]:
     return {name: Column(unit, words, dtype) for name, words in names.items()}
+
+
+EXPONENTS = {
+    **_columns("1", "string", quantity="quantity", verdict="whether both exponents agree"),
+    **_columns("1", "int64", rows="cases used"),
+    **_columns(
+        "1",
+        exponent="exponent in the wear rate of the study",
+        exponent_stderr="its standard error",
+        published_exponent="exponent in the published data",
+        published_stderr="its standard error",
+        combined_errors="difference by the root of the sum of both squared standard errors",
+    ),
+}
+"""Table of `abradem.learning.exponents`."""
 
 
 CALIBRATION = {
@@ -352,7 +397,7 @@ VERIFICATION = {
         verdict="whether the check holds", note="source, or choice that explains a difference",
         variant="options of the law", code="program", measure="wear measure", test="test",
         quantity="quantity", source="where the value is from", feed="kind of feed",
-        scene="what is simulated",
+        scene="what is simulated", corner="radius and plate angle",
     ),
     **_columns(
         "1",
@@ -370,9 +415,12 @@ VERIFICATION = {
         spin_scaled="spin after times R over speed before",
         error="relative error against the converged step",
         fraction="step as a share of the Rayleigh time", bias="relative bias of the wear measure",
-        bias_stderr="standard error of the bias", phase="phase at which the surfaces meet",
+        bias_stderr="standard error of the bias",
+        largest_bias="largest bias over materials, frictions and speeds",
+        phase="phase at which the surfaces meet",
         value="value", exponent="exponent", exponent_stderr="standard error of the exponent",
         expected="expected value", relative_stderr="relative standard error",
+        reference_stderr="relative standard error of the reference",
         r2="R2 of the cumulative wear against a straight line",
         covered="whether the interval holds the mean", steps_per_contact="steps per contact",
         factor="factor by which the quantity was changed",

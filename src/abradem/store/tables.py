@@ -18,6 +18,7 @@ from abradem.store.files import TableError, read_json, replacing, unreadable
 
 _ARROW_TYPES = {
     "float64": pa.float64(),
+    "float32": pa.float32(),
     "int64": pa.int64(),
     "int32": pa.int32(),
     "bool": pa.bool_(),
@@ -202,7 +203,7 @@ def _array(values: pd.Series, dtype: str, where: str) -> pa.Array:
             raise TableError(f"{where} must contain text, got {wrong!r}")
         return pa.array(texts, type=pa.string())
     array = values.to_numpy()
-    kind = {"float64": "fiu", "int64": "iu", "int32": "iu", "bool": "b"}[dtype]
+    kind = {"float64": "fiu", "float32": "f", "int64": "iu", "int32": "iu", "bool": "b"}[dtype]
     if array.dtype.kind not in kind and len(array):
         raise TableError(f"{where} must contain {dtype}, got {array.dtype}")
     cast = array.astype(dtype)

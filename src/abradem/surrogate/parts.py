@@ -44,6 +44,8 @@ def check_description(description: Any) -> None:
         raise PartError("target.name is empty")
     if _part(target, "unit", str, "text", "target.") != UNIT:
         raise PartError(f"target.unit = {target['unit']!r} must be {UNIT!r}")
+    if "element_size" in target and not _number(target["element_size"], "target.element_size") > 0:
+        raise PartError(f"target.element_size = {target['element_size']!r} must be positive")
     _check_jet(_part(description, "jet", Mapping, "an object"))
     _check_features(_part(description, "features", list, "a list"))
 

@@ -174,7 +174,7 @@ def impact_with(scene: Scene, speed: float, angle_deg: float, steps: int = 2000,
             normal, tangential = float(sphere["plate_fn"]), float(sphere["plate_tx"])
             # The surfaces meet in the middle of the first step.
             track.append(((step - 0.5) * dt, normal, tangential))
-            if sphere["plate_slips"]:
+            if sphere["plate_slip"] > 0.0:
                 way = abs(float(sphere["vx"]) + scene.radius * float(sphere["wz"])) * dt
                 wear += problem.plate_law.kn * overlap**1.5 * way
         elif track and sphere["motion"] == FLYING:

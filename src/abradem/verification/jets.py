@@ -21,11 +21,12 @@ JET = Scene(
 
 
 class Rate(NamedTuple):
-    """Rate of F_n ds of the whole plate (W = 1) and its standard error, W, and its start, s."""
+    """Rate of F_n ds of the whole plate (W = 1) and its standard error, W; start, s; batches."""
 
     value: float
     stderr: float
     start: float
+    batches: int
 
 
 def jet_case(**changes) -> Case:
@@ -56,8 +57,11 @@ def rate_of(result: SimulationResult, measure: str = "total", start: float | Non
     """
     if start is None:
         start = steady_start(result.time, result.worn[:, 0]).time
-    means = batch_means(result.time, result.worn[:, WEAR_MEASURES.index(measure)], start)
-    return Rate(means.rate, means.stderr, start)
+    means = batch_means(
+        result.time, result.worn[:, WEAR_MEASURES.index(measure)], start,
+        release_interval=result.release_interval,
+    )  # fmt: skip
+    return Rate(means.rate, means.stderr, start, means.batches)
 
 
 def spread(values) -> tuple[float, float]:

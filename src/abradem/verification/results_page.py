@@ -25,6 +25,7 @@ PARTS = {
     8: "Trends",
     9: "Facets",
     10: "Bed",
+    11: "Stop rule",
 }
 
 HEAD = """# All checks of the verification study

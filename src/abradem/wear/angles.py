@@ -10,6 +10,7 @@ import pandas as pd
 
 from abradem.dem.model import Case, Setup
 from abradem.dem.steady import steady_start
+from abradem.quantities import WEAR_MEASURES
 from abradem.units import MM_PER_M
 from abradem.wear.rates import steady_rate
 
@@ -21,6 +22,7 @@ def depth_by_angle(
     setup: Setup,
     angles: Mapping[str, Iterable[float]],
     duration: float,
+    measure: str,
     min_batches: int = 20,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Simulate the wear depth of the plate over time, with each angle varied separately.
@@ -34,6 +36,8 @@ def depth_by_angle(
         Values of each of `ANGLES`, degrees.
     duration : float
         Simulated time of each case, s.
+    measure : str
+        One of `abradem.quantities.WEAR_MEASURES`.
     min_batches : int
         Number of batches for slope and standard error.
 
@@ -62,10 +66,11 @@ def depth_by_angle(
             result = known[place]
             if result.status != "ok":
                 raise RuntimeError(f"{varied} = {angle:g} deg: ended early: {result.status}")
-            depth = MM_PER_M * case["archard_constant"] / setup.plate_area * result.worn[:, 0]
+            worn = result.worn[:, WEAR_MEASURES.index(measure)]
+            depth = MM_PER_M * case["archard_constant"] / setup.plate_area * worn
             row = {"varied": varied, "angle": angle}
             curves.append(pd.DataFrame({**row, "time": result.time, "wear_depth": depth}))
             start = steady_start(result.time, depth).time
-            fit = steady_rate(result.time, depth, start, min_batches)
+            fit = steady_rate(result.time, depth, start, min_batches, result.release_interval)
             rates.append({**row, "rate": fit.rate, "rate_stderr": fit.stderr})
     return pd.concat(curves, ignore_index=True), pd.DataFrame(rates)

@@ -12,7 +12,7 @@ from abradem.units import MM_PER_M
 
 
 def depth_frames(
-    wear: pd.DataFrame, case: Mapping[str, float], setup: Setup, measure: str = "total"
+    wear: pd.DataFrame, case: Mapping[str, float], setup: Setup, measure: str
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the wear depth of all facets at the times of the snapshots.
 

@@ -1,4 +1,4 @@
-"""Wear rates from the results of simulations: steady slope, standard error and quality flags.
+"""Wear rates from the results of simulations: steady slope, standard errors and quality flags.
 
 Simulations record, for an Archard constant of 1, the cumulative work J = F_n ds (J) of three wear
 measures on the whole plate, and J per facet in one window. By Archard's law (Archard 1953, J. Appl.
@@ -20,6 +20,7 @@ All results are proportional to W, so one simulation is valid for every W.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,8 +28,16 @@ import pandas as pd
 
 from abradem.dem.model import Setup
 from abradem.dem.steady import BatchMeans, batch_means
-from abradem.quantities import STATISTICS, WEAR_COLUMNS, WEAR_MEASURES, wear_column
+from abradem.quantities import (
+    STATISTICS,
+    STDERR_COLUMNS,
+    WEAR_COLUMNS,
+    WEAR_MEASURES,
+    stderr_column,
+    wear_column,
+)
 from abradem.units import MM_PER_M
+from abradem.wear.window_errors import element_stderr
 
 SHORTFALL_SHARE = 0.95
 """A case is flagged if the delivered feed is below this share of the requested feed."""
@@ -48,7 +57,13 @@ class SteadyRate(NamedTuple):
     r2: float
 
 
-def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int = 20) -> SteadyRate:
+def steady_rate(
+    time: np.ndarray,
+    worn: np.ndarray,
+    start: float,
+    batches: int = 20,
+    release_interval: float = 0.0,
+) -> SteadyRate:
     """Return the rate of a cumulative series from ``start`` on, with its standard error.
 
     Parameters
@@ -58,7 +73,9 @@ def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int =
     start : float
         Start of the steady state, s.
     batches : int
-        Number of equal batches.
+        Least number of equal batches.
+    release_interval : float
+        Time between two releases, s; 0 if they are not even.
 
     Returns
     -------
@@ -69,9 +86,25 @@ def steady_rate(time: np.ndarray, worn: np.ndarray, start: float, batches: int =
     """
     if not np.isfinite(start) or len(time) < 2:
         return SteadyRate(np.nan, np.nan, np.nan, 0, np.nan)
-    means: BatchMeans = batch_means(time, worn, start, batches)
+    means: BatchMeans = batch_means(time, worn, start, batches, release_interval)
     tail = time >= start
     return SteadyRate(*means, straightness(time[tail], worn[tail]))
+
+
+def release_interval(run: Mapping, delivered_mass: float) -> float:
+    """Return the time between two releases of a case, s; 0 for given releases.
+
+    Parameters
+    ----------
+    run : mapping
+        Its row of the runs: ``requested_rate``, kg/s, and ``released``.
+    delivered_mass : float
+        Mass of the released particles, kg.
+    """
+    released = run.get("released", 0)
+    if not (run["requested_rate"] > 0.0 and released > 0):
+        return 0.0
+    return float(delivered_mass) / int(released) / float(run["requested_rate"])
 
 
 def straightness(time: np.ndarray, worn: np.ndarray) -> float:
@@ -191,6 +224,29 @@ def depth_map(maps: pd.DataFrame, facets: tuple[int, int]) -> dict[str, np.ndarr
     return arrays
 
 
+def part_maps(parts: pd.DataFrame, count: int, facets: tuple[int, int]) -> dict[str, np.ndarray]:
+    """Return the maps of the parts of one case's window by wear measure, J.
+
+    Parameters
+    ----------
+    parts : pandas.DataFrame
+        Rows of one case of the table of parts; facets without wear may be missing.
+    count : int
+        Number of parts of the window.
+    facets : tuple of int
+
+    Returns
+    -------
+    dict of str to ndarray, shape (count, nx, nz)
+    """
+    place = tuple(parts[name].to_numpy() for name in ("window_part", "facet_x", "facet_z"))
+    arrays = {}
+    for measure in WEAR_MEASURES:
+        arrays[measure] = np.zeros((count, *facets))
+        arrays[measure][place] = parts[f"part_wear_{measure}"].to_numpy(dtype=float)
+    return arrays
+
+
 def wear_rates(
     series: pd.DataFrame,
     maps: pd.DataFrame,
@@ -200,6 +256,7 @@ def wear_rates(
     min_batches: int = 20,
     footprint_share: float = 0.95,
     element_size: float | None = None,
+    parts: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """Return the wear rates of the cases of a batch, by Archard's law (Archard 1953).
 
@@ -217,13 +274,17 @@ def wear_rates(
         Share of the wear of a wear measure in its footprint.
     element_size : float, optional
         Edge of the elements of the statistics, m, see `element_counts`; by default a facet.
+    parts : pandas.DataFrame, optional
+        Table of the parts of the windows, written by the simulations. Without it the standard
+        errors of the statistics over elements are nan, which saves their time.
 
     Returns
     -------
     pandas.DataFrame
         One row per successful case, by case_id: depth rates (mm/s) for each wear measure and
-        statistic, ``wear_total_mean_stderr`` (mm/s), ``wear_r2``, ``wear_batches``,
-        ``wear_lag1``, ``worn_volume_rate`` (m3/s), ``wear_per_kg`` (m3/kg) and ``quality``.
+        statistic and their standard errors (mm/s), ``wear_r2``, ``wear_batches`` and
+        ``wear_lag1`` of the headline, ``worn_volume_rate`` (m3/s), ``wear_per_kg`` (m3/kg) and
+        ``quality``.
 
     Raises
     ------
@@ -237,6 +298,7 @@ def wear_rates(
     constants = cases.set_index("case_id")["archard_constant"]
     series_of = {key: rows for key, rows in series.groupby("case_id", sort=False)}
     maps_of = {key: rows for key, rows in maps.groupby("case_id", sort=False)}
+    parts_of = {} if parts is None else dict(iter(parts.groupby("case_id", sort=False)))
     rows = []
     for run in runs[runs["status"] == "ok"].sort_values("case_id").to_dict("records"):
         key = run["case_id"]
@@ -247,6 +309,7 @@ def wear_rates(
         rates = _case_rates(
             series_of[key],
             maps_of.get(key, maps.iloc[:0]),
+            None if parts is None else parts_of.get(key, parts.iloc[:0]),
             run,
             setup,
             min_batches,
@@ -262,7 +325,7 @@ def wear_rates(
 RATE_COLUMNS = [
     "case_id",
     *WEAR_COLUMNS,
-    "wear_total_mean_stderr",
+    *STDERR_COLUMNS,
     "wear_r2",
     "wear_batches",
     "wear_lag1",
@@ -272,7 +335,7 @@ RATE_COLUMNS = [
 ]
 """Columns of the wear-rate tables, in order."""
 
-_PROPORTIONAL = (*WEAR_COLUMNS, "wear_total_mean_stderr", "worn_volume_rate", "wear_per_kg")
+_PROPORTIONAL = (*WEAR_COLUMNS, *STDERR_COLUMNS, "worn_volume_rate", "wear_per_kg")
 
 
 def quality(run: dict, relative_stderr: float, setup: Setup) -> str:
@@ -298,6 +361,7 @@ def quality(run: dict, relative_stderr: float, setup: Setup) -> str:
 def _case_rates(
     series: pd.DataFrame,
     maps: pd.DataFrame,
+    parts: pd.DataFrame | None,
     run: dict,
     setup: Setup,
     batches: int,
@@ -307,34 +371,48 @@ def _case_rates(
     """Return the row of one case for W = 1; depth rates in mm/s per 1/Pa, others accordingly."""
     time = series["time"].to_numpy(dtype=float)
     start = run["steady_from"]
+    delivered = series["delivered_mass"].to_numpy(dtype=float)
+    interval = release_interval(run, delivered[-1])
     steady = {
-        measure: steady_rate(time, series[f"worn_{measure}"].to_numpy(dtype=float), start, batches)
+        measure: steady_rate(
+            time, series[f"worn_{measure}"].to_numpy(dtype=float), start, batches, interval
+        )
         for measure in WEAR_MEASURES
     }
     window = run["window_end"] - run["window_start"]
     arrays = depth_map(maps, setup.facets)
+    parted = None
+    if parts is not None and window > 0.0:
+        parted = part_maps(parts, run["window_parts"], setup.facets)
+    element_area = setup.plate_area / math.prod(elements)
+    unknown = dict.fromkeys(STATISTICS[1:], np.nan)
     row: dict[str, Any] = {}
     for measure in WEAR_MEASURES:
-        row[wear_column(measure, "mean")] = MM_PER_M * steady[measure].rate / setup.plate_area
-        over_elements = (
-            element_rates(
-                element_wear(arrays[measure], elements),
-                setup.plate_area / math.prod(elements),
+        rates, errors = unknown, unknown
+        if window > 0.0:
+            rates = element_rates(
+                element_wear(arrays[measure], elements), element_area, window, footprint_share
+            )
+        if parted is not None:
+            errors = element_stderr(
+                np.array([element_wear(part, elements) for part in parted[measure]]),
+                element_area,
                 window,
                 footprint_share,
             )
-            if window > 0.0
-            else dict.fromkeys(STATISTICS[1:], np.nan)
-        )
-        for statistic, value in over_elements.items():
-            row[wear_column(measure, statistic)] = MM_PER_M * value
+        mean = steady[measure]
+        for statistic, value, error in (
+            ("mean", mean.rate / setup.plate_area, mean.stderr / setup.plate_area),
+            *((name, rates[name], errors[name]) for name in STATISTICS[1:]),
+        ):
+            name = wear_column(measure, statistic)
+            row[name], row[stderr_column(name)] = MM_PER_M * value, MM_PER_M * error
     total = steady["total"]
-    row["wear_total_mean_stderr"] = MM_PER_M * total.stderr / setup.plate_area
     row["wear_r2"] = total.r2
     row["wear_batches"] = total.batches
     row["wear_lag1"] = total.lag1
     row["worn_volume_rate"] = total.rate
-    fed = _feed_rate(time, series["delivered_mass"].to_numpy(dtype=float), start)
+    fed = _feed_rate(time, delivered, start)
     row["wear_per_kg"] = total.rate / fed if fed > 0.0 else np.nan
     relative = total.stderr / total.rate if total.rate > 0.0 else np.nan
     row["quality"] = quality(run, relative, setup)

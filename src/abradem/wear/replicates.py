@@ -8,12 +8,18 @@ import numpy as np
 import pandas as pd
 
 from abradem.dem.model import Setup
+from abradem.quantities import STDERR_COLUMNS, WEAR_COLUMNS
 from abradem.sampling.draw import case_seed
 from abradem.simulation.batch import TABLES, run_case
 from abradem.wear.rates import wear_rates
 
 CHEAP_SHARE = 0.5
 """Share of the cases, those with the largest particles, from which replicates are chosen."""
+
+TYPES = {"case_id": "int64", "replicate": "int32", "seed": "int64"} | dict.fromkeys(
+    (*WEAR_COLUMNS, *STDERR_COLUMNS), "float64"
+)
+COLUMNS = list(TYPES)
 
 
 def choose_cases(cases: pd.DataFrame, count: int) -> pd.DataFrame:
@@ -33,7 +39,7 @@ def choose_cases(cases: pd.DataFrame, count: int) -> pd.DataFrame:
 
 
 def replicate(
-    cases: pd.DataFrame, replicates: int, setup: Mapping, min_batches: int = 20
+    cases: pd.DataFrame, replicates: int, setup: Mapping, options: Mapping | None = None
 ) -> pd.DataFrame:
     """Simulate cases again with other seeds.
 
@@ -45,36 +51,25 @@ def replicate(
         Number of simulations of each case.
     setup : mapping
         Plain values of the `Setup`.
-    min_batches : int
-        See `abradem.wear.rates.wear_rates`.
+    options : mapping, optional
+        Options of `abradem.wear.rates.wear_rates`.
 
     Returns
     -------
     pandas.DataFrame
-        case_id, replicate, seed, wear_total_mean, wear_total_mean_stderr (mm/s). Simulations
+        case_id, replicate, seed, and all wear rates with their standard errors (mm/s). Simulations
         without a wear rate are left out.
     """
-    found = []
+    found = [pd.DataFrame(columns=COLUMNS).astype(TYPES)]
     for case in cases.to_dict("records"):
         for number in range(replicates):
             row = {**case, "seed": case_seed(int(case["seed"]), number)}
             tables = run_case(row, setup)
-            series, maps, runs = (tables[name] for name in TABLES)
             rates = wear_rates(
-                series,
-                maps,
-                runs,
-                pd.DataFrame([row]),
-                Setup.from_dict(setup),
-                min_batches,
+                **{name: tables[name] for name in TABLES},
+                cases=pd.DataFrame([row]),
+                setup=Setup.from_dict(setup),
+                **(options or {}),
             )
-            found += [
-                (case["case_id"], number, row["seed"], rate, error)
-                for rate, error in zip(
-                    rates["wear_total_mean"], rates["wear_total_mean_stderr"], strict=True
-                )
-            ]
-    columns = ["case_id", "replicate", "seed", "wear_total_mean", "wear_total_mean_stderr"]
-    return pd.DataFrame(found, columns=columns).astype(
-        {"case_id": "int64", "replicate": "int32", "seed": "int64"}
-    )
+            found.append(rates.assign(replicate=number, seed=row["seed"])[COLUMNS])
+    return pd.concat(found, ignore_index=True).astype(TYPES)

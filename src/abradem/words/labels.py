@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from abradem.quantities import quantity, wear_column
+from abradem.quantities import WEAR_COLUMNS, quantity
 
 
 class Label(NamedTuple):
@@ -39,10 +39,17 @@ LABELS: dict[str, Label] = {
     "effective_shear_modulus": Label("G^*", "effective shear modulus"),
     "damping_ratio": Label(r"\xi", "damping ratio"),
     "damping_coefficient": Label(r"\eta", "damping coefficient"),
-    "wear_total_mean": Label(r"\dot h", "wear depth rate"),
+    **dict.fromkeys(WEAR_COLUMNS, Label(r"\dot h", "wear depth rate")),
     "impact_speed": Label("v", "speed of impact"),
 }
-"""Labels of the quantities of `abradem.quantities` and of the impact speed, by name."""
+"""Labels of the quantities of `abradem.quantities`, of all wear rates and of the impact speed."""
+
+POWER_LABELS: dict[str, Label] = {
+    **LABELS,
+    "impact_speed": Label("v^2 + 2 g H", "squared speed of impact"),
+    "restitution": Label("1 + e", "1 + coefficient of restitution"),
+}
+"""Labels of what has an exponent in a wear rate, see `abradem.dataset.power_fit`."""
 
 GROUP_LABELS: dict[str, Label] = {
     "constant": Label(r"\ln C", "constant"),
@@ -62,7 +69,7 @@ GROUP_LABELS: dict[str, Label] = {
 
 MEASURE_WORDS = {
     "total": "all tangential motion under load",
-    "sliding": "sliding while Coulomb's limit is active",
+    "sliding": "slip at Coulomb's limit",
     "friction": "friction work over the coefficient of friction",
 }
 """Descriptions of the wear measures of `abradem.quantities.WEAR_MEASURES`."""
@@ -75,21 +82,6 @@ STATISTIC_WORDS = {
     "max": "worst element",
 }
 """Descriptions of the statistics over the plate of `abradem.quantities.STATISTICS`."""
-
-WEAR_WORDS = {
-    wear_column(measure, statistic): f"wear depth rate, {of_statistic} ({of_measure})"
-    for measure, of_measure in MEASURE_WORDS.items()
-    for statistic, of_statistic in STATISTIC_WORDS.items()
-}
-"""Descriptions of the wear rates of the data set, by column."""
-
-
-def wear_words(column: str) -> str:
-    """Return of what place of the plate a wear rate is, such as "mean over the plate"."""
-    if column not in WEAR_WORDS:
-        return "as in the table that the model learned from"
-    return STATISTIC_WORDS[column.rpartition("_")[2]]
-
 
 PROTOCOLS = {"as_published": "as published", "leakage_free": "leakage-free"}
 """Display names of the protocols of `abradem.learning.protocols`."""

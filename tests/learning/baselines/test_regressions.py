@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tables import PLANTED, linear_law, product_law
 
+from abradem.figures.pca import draw_correlations
 from abradem.learning.baselines import linear
 from abradem.learning.baselines.pca import fit_pca, principal_components, regress
 from abradem.learning.baselines.penalised import choose_alpha, fit_penalised, weights
@@ -42,6 +43,22 @@ def r2(results, model, protocol, split="test"):
         "model == @model and protocol == @protocol and split == @split and metric == 'R2'"
     )
     return rows["value"].to_numpy()
+
+
+# The target
+
+
+@pytest.mark.parametrize("target", ["wear_friction_p99", "wear_sliding_mean"])
+def test_correlations_name_the_target_that_was_learned(target):
+    rows = linear_law(60).rename(columns={"wear_total_mean": target})
+    found = fit_pca(learning_table(rows, target), repeats=1).correlations
+    mine = found[(found["feature"] == target) & (found["other"] == "archard_constant")].iloc[0]
+    assert mine["symbol"] == "X21"
+    expected = np.corrcoef(rows[target], rows["archard_constant"])[0, 1]
+    assert mine["correlation"] == pytest.approx(expected)
+    figure = draw_correlations(found, {"training_rows": 60})
+    ticks = [tick.get_text() for panel in figure.axes for tick in panel.get_yticklabels()]
+    assert any(tick.startswith("X21") and r"\dot h" in tick for tick in ticks)
 
 
 # Lasso and ridge

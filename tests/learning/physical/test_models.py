@@ -31,6 +31,7 @@ from abradem.learning.physical.sensitivity import (
 )
 from abradem.learning.protocols import folds, repeated_splits
 from abradem.learning.scores import r2
+from abradem.quantities import STDERR_COLUMNS, WEAR_COLUMNS
 from abradem.report.findings import findings, to_html
 from abradem.surrogate.groups import Jet
 from abradem.wear.replicates import choose_cases, replicate
@@ -154,6 +155,52 @@ def test_the_noise_floor_is_what_a_perfect_model_scores():
     assert summary["r2_floor_of_stated_errors"] < low
 
 
+def test_the_noise_floor_is_that_of_the_target():
+    # The worst element has ten times the noise of the mean, which both errors state.
+    rng = np.random.default_rng(1)
+    true = np.exp(rng.standard_normal(3000))
+    keys = np.arange(3000)
+    chosen = np.repeat(np.arange(40), 10)
+
+    def simulated(keys):
+        found = {"case_id": keys}
+        for name, scatter in (("wear_total_mean", 0.02), ("wear_total_max", 0.2)):
+            found[name] = true[keys] * (1.0 + scatter * rng.standard_normal(keys.size))
+            found[f"{name}_stderr"] = scatter * true[keys]
+        return pd.DataFrame(found)
+
+    dataset, replicates = simulated(keys), simulated(chosen)
+    for target, scatter in (("wear_total_mean", 0.02), ("wear_total_max", 0.2)):
+        _, summary = noise.noise_floor(replicates, dataset, target)
+        assert summary["target"] == target
+        assert summary["ratio"] == pytest.approx(1.0, abs=0.25)
+        assert summary["median_relative_stderr"] == pytest.approx(scatter, rel=0.05)
+        low, high = summary["r2_floor_band"]
+        assert low < r2(dataset[target].to_numpy(), true) < high
+    # Elements that were not hit have neither a relative error nor a logarithm.
+    dataset.loc[0, "wear_total_max"] = 0.0
+    _, summary = noise.noise_floor(replicates, dataset, "wear_total_max")
+    assert np.isnan(summary["r2_log_floor"]) and np.isfinite(summary["median_relative_stderr"])
+    assert np.isfinite(summary["r2_floor"])
+
+
+def test_each_target_is_weighted_by_its_own_error():
+    table = product_law(60)
+    for place, name in enumerate(("wear_total_mean", "wear_total_max", "wear_friction_p99")):
+        table[name] = table["wear_total_mean"]
+        table[f"{name}_stderr"] = (0.02 + 0.01 * place) * table[name]
+        np.testing.assert_allclose(problem(table, JET, name).error, 0.02 + 0.01 * place)
+    # What is 0, or has no error, gets the largest one.
+    table["wear_total_max_stderr"] *= np.linspace(1.0, 2.0, 60)
+    table.loc[3, ["wear_total_max", "wear_total_max_stderr"]] = 0.0, 0.5
+    table.loc[5, "wear_total_max_stderr"] = np.nan
+    error = problem(table, JET, "wear_total_max").error
+    assert error[3] == error[5] == error[59] == pytest.approx(0.06)
+    # Without the column, as in a table from elsewhere, rows count alike.
+    without = table.drop(columns="wear_total_max_stderr")
+    assert not problem(without, JET, "wear_total_max").error.any()
+
+
 def test_replicates_are_of_cases_with_large_particles_and_differ_by_seed_alone():
     from abradem.config import Config, sampled_ranges, setup_dict
     from abradem.sampling.draw import block_cases
@@ -168,6 +215,14 @@ def test_replicates_are_of_cases_with_large_particles_and_differ_by_seed_alone()
     setup = {**setup_dict(config), "window": 1.0, "max_time": 2.0, "facet_size": 0.03}
     found = replicate(chosen.iloc[:1], 2, setup)
     assert found["seed"].nunique() == 2 and found["wear_total_mean"].nunique() == 2
+    # Every wear rate and its error can be the target.
+    rates = [*WEAR_COLUMNS, *STDERR_COLUMNS]
+    assert list(found) == ["case_id", "replicate", "seed", *rates]
+    assert np.isfinite(found[rates]).all(axis=None)
+    coarse = replicate(chosen.iloc[:1], 2, setup, {"element_size": 0.06})
+    assert (coarse["wear_total_max"] < found["wear_total_max"]).all()
+    assert (coarse["wear_total_mean"] == found["wear_total_mean"]).all()
+    assert list(replicate(chosen.iloc[:0], 2, setup)) == list(found)
     again = replicate(chosen.iloc[:1], 2, setup)
     pd.testing.assert_frame_equal(found, again)
 

@@ -11,6 +11,7 @@ from abradem.store.tables import concatenate, read_table
 per_case, summary = noise_floor(
     concatenate(map(read_table, snakemake.input.replicates)),
     read_table(snakemake.input.dataset),
+    snakemake.params.target,
     snakemake.params.confidence,
 )
 write_stage(snakemake.output.items(), per_case=per_case, summary=summary)

@@ -24,6 +24,7 @@ for name, text in {
     "numbers": latex.numbers_tex(latex.study_numbers(results), study),
     "quantities": latex.quantities_tex(results, study),
     "features": latex.features_tex(results, study),
+    "exponents": latex.exponents_tex(results, study),
     "models": latex.models_tex(results, MODELS, study),
     "verification": latex.verification_tex(results, PARTS, study),
 }.items():

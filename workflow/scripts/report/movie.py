@@ -14,9 +14,9 @@ from abradem.store.tables import read_table
 from abradem.wear.depths import depth_frames
 
 require_encoder()
-setup = Setup.from_dict(snakemake.params.setup)
+setup, measure = Setup.from_dict(snakemake.params.setup), snakemake.params.measure
 shots = [
-    Shot(case, read_table(particles), *depth_frames(read_table(wear), case, setup))
+    Shot(case, read_table(particles), *depth_frames(read_table(wear), case, setup, measure))
     for case, particles, wear in zip(
         snakemake.params.cases, snakemake.input.particles, snakemake.input.wear, strict=True
     )

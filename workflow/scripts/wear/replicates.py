@@ -11,6 +11,6 @@ cases = choose_cases(read_table(snakemake.input[0]), snakemake.params.cases)
 part, parts = snakemake.params.part
 found = replicate(
     cases.iloc[part::parts], snakemake.params.replicates, snakemake.params.setup,
-    snakemake.params.min_batches,
+    snakemake.params.options,
 )  # fmt: skip
 write_table(found, snakemake.output[0])

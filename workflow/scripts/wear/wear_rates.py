@@ -8,7 +8,7 @@ from abradem.dem.model import Setup
 from abradem.store.tables import read_table, write_table
 from abradem.wear.rates import wear_rates
 
-tables = {name: read_table(snakemake.input[name]) for name in ("series", "maps", "runs", "cases")}
+tables = {name: read_table(path) for name, path in snakemake.input.items()}
 rates = wear_rates(
     **tables, setup=Setup.from_dict(snakemake.params.setup), **snakemake.params.options
 )

@@ -39,7 +39,7 @@ from abradem.learning.rows import (
     standard_scaler,
 )
 from abradem.learning.scores import central_columns, mean_columns, r2, scores_of
-from abradem.quantities import FEATURE_NAMES, TARGET, quantity
+from abradem.quantities import FEATURE_NAMES, quantity
 
 MODEL = "pca"
 WRONG = "pca_wrong_target"
@@ -350,7 +350,7 @@ def _correlations(table: Table) -> pd.DataFrame:
     z = of_values.forward(values)
     z[:, held_fixed(values)] = np.nan
     found = z.T @ z / len(z)
-    names = [*FEATURE_NAMES, TARGET.name]
+    names = [*FEATURE_NAMES, table.target_name]
     return pd.DataFrame(
         {
             "symbol": np.repeat([quantity(name).symbol for name in names], len(names)),

@@ -25,7 +25,7 @@ from abradem.learning.physical.problem import GROUP_SCALE, WearProblem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
 from abradem.learning.rows import standard_scaler
 from abradem.learning.scores import has_spread, scores_of
-from abradem.quantities import SAMPLED, SAMPLED_NAMES
+from abradem.quantities import SAMPLED, SAMPLED_NAMES, wear_parts
 from abradem.surrogate.groups import GROUP_NAMES, group_matrix, wear_scale
 from abradem.surrogate.model import Surrogate
 
@@ -94,6 +94,7 @@ def surrogate_of(
     results: Results,
     confidence: float = 0.95,
     seed: int = 0,
+    element_size: float | None = None,
 ) -> tuple[dict, dict[str, np.ndarray]]:
     """Description and arrays of the surrogate of a study.
 
@@ -110,10 +111,16 @@ def surrogate_of(
     confidence : float
         Central share of the splits that the intervals of the scores contain.
     seed : int
+    element_size : float, optional
+        Edge of the elements of the target, m; not noted for the mean over the plate.
     """
     arrays, error = distil(process, given, settings, seed)
     arrays["conformal"] = np.sort(conformal)
-    return _describe(given, error, settings, results, confidence), arrays
+    description = _describe(given, error, settings, results, confidence)
+    of_elements = wear_parts(given.table.target_name)[1] != "mean"
+    if of_elements and element_size is not None:
+        description["target"]["element_size"] = element_size
+    return description, arrays
 
 
 def evaluate_surrogate(

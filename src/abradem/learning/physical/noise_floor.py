@@ -5,12 +5,12 @@ perfect model, which predicts the expectation, would have an R2 below 1 on simul
 
     R2_floor = 1 - sum_i noise_i^2 / sum_i (y_i - mean y)^2
 
-Two estimates of the noise are compared. Every case has a standard error from the batch means of
-its own time series. In addition, some cases are simulated again with other seeds. The ratio of
-the variance over seeds to the mean square of these standard errors is 1 if the standard errors
-are correct. The noise variance of all cases is multiplied by this ratio. With d degrees of freedom
-(cases times replicates), the confidence band of the ratio is
-[d / chi2_d(0.975), d / chi2_d(0.025)] times the ratio; more replicates give a narrower band.
+Two estimates of the noise are compared. Every case has a standard error of its own. In addition,
+some cases are simulated again with other seeds. The ratio of the variance over seeds to the mean
+square of these standard errors is 1 if the standard errors are correct. The noise variance of all
+cases is multiplied by this ratio. With d degrees of freedom (cases times replicates), the
+confidence band of the ratio is [d / chi2_d(0.975), d / chi2_d(0.025)] times the ratio; more
+replicates give a narrower band.
 
 Only cases with large particles are replicated, evenly over their radii, because a case with small
 particles has many of them and takes minutes. The wear of small particles is less noisy, and for
@@ -24,10 +24,14 @@ import pandas as pd
 from scipy import stats
 
 from abradem.learning.scores import has_spread
+from abradem.quantities import stderr_column
 
 
 def noise_floor(
-    replicates: pd.DataFrame, dataset: pd.DataFrame, confidence: float = 0.95
+    replicates: pd.DataFrame,
+    dataset: pd.DataFrame,
+    target: str = "wear_total_mean",
+    confidence: float = 0.95,
 ) -> tuple[pd.DataFrame, dict]:
     """Largest R2 that any model could reach on a data set.
 
@@ -38,7 +42,9 @@ def noise_floor(
     replicates : pandas.DataFrame
         From `abradem.wear.replicates.replicate`.
     dataset : pandas.DataFrame
-        case_id, wear_total_mean and wear_total_mean_stderr (mm/s) of all cases.
+        case_id, the target and its standard error (mm/s) of all cases.
+    target : str
+        A wear-rate column.
     confidence : float
         Level of the bands.
 
@@ -50,14 +56,15 @@ def noise_floor(
         standard errors divided by the mean).
     summary : dict
         ``ratio`` and ``r2_floor`` with their bands, ``r2_floor_of_stated_errors`` (for a ratio of
-        1), ``r2_log_floor``, ``cases``, ``replicates``, ``degrees_of_freedom``, ``confidence``,
-        ``median_relative_stderr``.
+        1), ``r2_log_floor`` (nan if a target is not positive), ``target``, ``cases``,
+        ``replicates``, ``degrees_of_freedom``, ``confidence``, ``median_relative_stderr`` (of the
+        positive targets).
     """
-    own = dataset[["case_id", "wear_total_mean", "wear_total_mean_stderr"]]
+    own = dataset[["case_id", target, stderr_column(target)]]
     both = pd.concat([replicates, own[own["case_id"].isin(replicates["case_id"])]])
     rows, weighted, freedom = [], 0.0, 0
     for case, group in both.groupby("case_id", sort=True):
-        rate, error = group["wear_total_mean"], group["wear_total_mean_stderr"]
+        rate, error = group[target], group[stderr_column(target)]
         stated = float(np.mean(error**2))
         if len(group) < 2 or not stated > 0.0:
             continue
@@ -70,14 +77,12 @@ def noise_floor(
         rows, columns=["case_id", "replicates", "relative_spread", "relative_stderr"]
     ).astype({"case_id": "int64", "replicates": "int32"})
 
-    y = dataset["wear_total_mean"].to_numpy(dtype=float)
-    error = dataset["wear_total_mean_stderr"].to_numpy(dtype=float)
-    share, log_share = (
-        float(np.sum(noise**2) / np.sum((values - values.mean()) ** 2))
-        if has_spread(values)
-        else np.nan
-        for noise, values in ((error, y), (error / y, np.log(y)))
-    )
+    y = dataset[target].to_numpy(dtype=float)
+    error = dataset[stderr_column(target)].to_numpy(dtype=float)
+    positive = y > 0.0
+    relative = error[positive] / y[positive]
+    share = _unexplained(error, y)
+    log_share = _unexplained(relative, np.log(y)) if positive.all() else np.nan
     ratio = weighted / freedom if freedom else np.nan
     tail = 0.5 * (1.0 - confidence)
     band = (
@@ -86,6 +91,7 @@ def noise_floor(
         else [np.nan, np.nan]
     )
     return per_case, {
+        "target": target,
         "cases": len(per_case),
         "replicates": int(per_case["replicates"].sum()),
         "degrees_of_freedom": freedom,
@@ -96,5 +102,12 @@ def noise_floor(
         "r2_floor": 1.0 - ratio * share,
         "r2_floor_band": [1.0 - band[1] * share, 1.0 - band[0] * share],
         "r2_log_floor": 1.0 - ratio * log_share,
-        "median_relative_stderr": float(np.median(error / y)),
+        "median_relative_stderr": float(np.median(relative)) if positive.any() else np.nan,
     }
+
+
+def _unexplained(noise: np.ndarray, values: np.ndarray) -> float:
+    """Share of the variance of ``values`` that is noise; nan if they have no spread."""
+    if not has_spread(values):
+        return np.nan
+    return float(np.sum(noise**2) / np.sum((values - values.mean()) ** 2))

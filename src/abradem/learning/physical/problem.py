@@ -23,10 +23,9 @@ import pandas as pd
 
 from abradem.dataset.variation import scales_of, settled, variation
 from abradem.learning.rows import Table, learning_table
-from abradem.quantities import SAMPLED_NAMES
+from abradem.quantities import SAMPLED_NAMES, stderr_column
 from abradem.surrogate.groups import Jet, group_matrix, wear_scale
 
-STDERR = "wear_total_mean_stderr"
 HEADLINE = "wear_total_mean"
 
 GROUP_SCALE = 1.0
@@ -53,7 +52,8 @@ class WearProblem(NamedTuple):
     log_number : ndarray, shape (n,)
         Logarithm of the wear number.
     error : ndarray, shape (n,)
-        Relative standard error of the simulation; 0 where it is not known.
+        Relative standard error of the simulation; 0 if the data set does not hold it. Where it is
+        not known, or the target is 0, it is the largest of the other rows.
     jet : Jet
     raised : int
         Number of targets that were not positive; their wear number was raised to the smallest
@@ -87,7 +87,7 @@ def problem(
     Parameters
     ----------
     dataset : pandas.DataFrame
-        Holds case_id, the 20 features and ``target``; simulated data sets also hold the standard
+        Holds case_id, the 20 features and ``target``; simulated data sets also hold its standard
         error.
     jet : Jet
     target : str
@@ -115,9 +115,11 @@ def problem(
     # Statistics over facets, such as p99, are 0 if most facets are not hit.
     number = np.where(positive, number, number[positive].min())
     error = np.zeros(len(rows))
-    if target == HEADLINE and STDERR in rows:
-        error = rows[STDERR].to_numpy(dtype=float) / table.target
-        error = np.where(np.isfinite(error), error, np.nanmax(error, initial=0.0))
+    if stderr_column(target) in rows:
+        stated = rows[stderr_column(target)].to_numpy(dtype=float)
+        known = positive & np.isfinite(stated)
+        error[known] = stated[known] / table.target[known]
+        error[~known] = error[known].max(initial=0.0)
     return WearProblem(
         table,
         sampled,

@@ -1,0 +1,108 @@
+"""When a flying particle is due: see `islands`."""
+
+from __future__ import annotations
+
+import math
+
+from abradem.dem.agenda import LANDED, NEIGHBOURS, NEVER, enqueue
+from abradem.dem.bounds import (
+    SAFETY,
+    due_step,
+    first_time_within,
+    time_to_meet,
+    time_to_plate,
+    time_to_reach,
+)
+from abradem.dem.cache import kernel
+from abradem.dem.cells import change_cell, list_neighbours, time_to_leave
+from abradem.dem.plate import plate_distance
+from abradem.dem.rows import note_in_row
+from abradem.dem.state import FLYING, GONE, fall_speed, flying_place
+from abradem.dem.vectors import dot
+
+GLANCE = 64
+"""Largest number of steps until a particle beside an edge of the plate is examined again."""
+
+
+@kernel(inline=True)
+def plan_plate(problem, state, agenda, i, now):
+    """Find the first step at which flying particle i can touch the plate or be removed."""
+    particle = state.particles[i]
+    x, y, z = flying_place(problem, particle, now)
+    vx, vy, vz = particle.vx, fall_speed(problem, particle, now), particle.vz
+    drop = max(y - problem.removal_height, 0.0)
+    until = first_time_within(drop, vy, -problem.gravity, 0.0, 0.0)
+    plate = time_to_plate(problem, x, y, z, vx, vy, vz)
+    if plate < GLANCE * problem.dt:
+        # In or near the box around the plate, but perhaps outside its rounded edges.
+        gap = plate_distance(problem.plate, x, y, z)[0] - problem.radius * (1.0 + SAFETY)
+        fastest = math.sqrt(vx * vx + vy * vy + vz * vz) + problem.gravity * GLANCE * problem.dt
+        plate = max(plate, min(gap / fastest, GLANCE * problem.dt))
+    agenda.plans[i].plate_due = max(due_step(problem, now, min(until, plate)), now + 1)
+
+
+@kernel(inline=True)
+def plan_pairs(problem, state, agenda, i, now):
+    """Find the first steps at which flying particle i can touch another and leaves its cell.
+
+    If it only is in another cell, the particles that were near before are left out, since they
+    have been examined. Awake particles note it in their rows. Return the number of flying
+    particles that it touches at step ``now``; they are the first of the list of neighbours.
+    """
+    particles, plan = state.particles, agenda.plans[i]
+    particle = particles[i]
+    radius, gravity, dt = problem.radius, problem.gravity, problem.dt
+    x, y, z = flying_place(problem, particle, now)
+    vx, vy, vz = particle.vx, fall_speed(problem, particle, now), particle.vz
+    old, meets = plan.cell, plan.meet_due
+    if plan.meet_due <= now:
+        old, meets = -1, NEVER
+    change_cell(problem, agenda, i, x, y, z)
+    tall = agenda.clock[0].tall
+    leaves = due_step(problem, now, time_to_leave(problem, tall, x, y, z, vx, vy, vz))
+    reach = 2.0 * radius * (1.0 + SAFETY)
+    contact2 = 4.0 * radius * radius
+    touched = 0
+    for m in range(list_neighbours(agenda, plan.cell, old)):
+        j = agenda.lists[NEIGHBOURS, m]
+        b = particles[j]
+        if j == i or b.motion == GONE:
+            continue
+        if b.motion == FLYING:
+            other = flying_place(problem, b, now)
+            apart = (x - other[0], y - other[1], z - other[2])
+            distance2 = dot(apart, apart)
+            speed = (vx - b.vx, vy - fall_speed(problem, b, now), vz - b.vz)
+            if distance2 < contact2:
+                agenda.lists[NEIGHBOURS, touched] = j
+                touched += 1
+                meets = now
+            else:
+                meet = time_to_meet(reach * reach, apart, speed, distance2)
+                meets = min(meets, due_step(problem, now, meet))
+        elif agenda.plans[j].row_until >= now:
+            apart = (x - b.x, y - b.y, z - b.z)
+            distance2 = dot(apart, apart)
+            left = dt * (agenda.plans[j].row_until - now)
+            bent = agenda.plans[j].pace + 0.5 * gravity * left
+            meet = time_to_reach(reach, apart, (vx, vy, vz), distance2, bent)
+            note_in_row(agenda, j, i, due_step(problem, now, meet))
+    plan.meet_due = max(meets, now + 1)
+    plan.leave_due = max(leaves, now + 1)
+    return touched
+
+
+@kernel
+def plan_flights(problem, state, agenda, count, now):
+    """Renew the bounds that are due of ``count`` flying particles, and enter these in the queue.
+
+    They are those of the list `LANDED`.
+    """
+    for k in range(count):
+        i = agenda.lists[LANDED, k]
+        plan = agenda.plans[i]
+        if plan.plate_due <= now:
+            plan_plate(problem, state, agenda, i, now)
+        if min(plan.meet_due, plan.leave_due) <= now:
+            plan_pairs(problem, state, agenda, i, now)
+        enqueue(agenda, i)

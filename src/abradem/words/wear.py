@@ -1,0 +1,78 @@
+"""The words for a wear rate: its measure, its statistic and the size of the elements.
+
+All texts, captions and tables on the target of a study use `WearTarget`, so that another
+``learning.target`` changes them together.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from abradem.quantities import WEAR_COLUMNS, wear_parts
+from abradem.words.labels import MEASURE_WORDS, STATISTIC_WORDS
+
+_OF_ELEMENTS = {
+    "worn": "mean over the worn {size} elements",
+    "footprint": "mean over the footprint of {size} elements",
+    "p99": "99th percentile of {size} elements",
+    "max": "worst {size} element",
+}
+"""Descriptions of the statistics over elements of a known size."""
+
+
+class WearTarget(NamedTuple):
+    """A column of wear rates, such as the target of a study.
+
+    Attributes
+    ----------
+    name : str
+        Column of the data set, one of `abradem.quantities.WEAR_COLUMNS`.
+    element_size : float or None
+        Edge of the elements of the statistics, m; None if it is not known.
+    """
+
+    name: str
+    element_size: float | None = None
+
+    @property
+    def measure(self) -> str:
+        """One of `abradem.quantities.WEAR_MEASURES`."""
+        return wear_parts(self.name)[0]
+
+    @property
+    def statistic(self) -> str:
+        """One of `abradem.quantities.STATISTICS`."""
+        return wear_parts(self.name)[1]
+
+    @property
+    def has_elements(self) -> bool:
+        """Whether the rate depends on the size of the elements, unlike the mean over the plate."""
+        return self.statistic in _OF_ELEMENTS
+
+    @property
+    def place(self) -> str:
+        """Of what place of the plate the rate is, such as "99th percentile of 30 mm elements"."""
+        if self.element_size is None or not self.has_elements:
+            return STATISTIC_WORDS[self.statistic]
+        return _OF_ELEMENTS[self.statistic].format(size=f"{1e3 * self.element_size:g} mm")
+
+    @property
+    def words(self) -> str:
+        """Short description, such as "wear depth rate, friction, worst 30 mm element"."""
+        return f"wear depth rate, {self.measure}, {self.place}"
+
+    @property
+    def explained(self) -> str:
+        """Description that says what the measure is."""
+        return f"wear depth rate, {self.place} ({MEASURE_WORDS[self.measure]})"
+
+
+WEAR_WORDS = {column: WearTarget(column).explained for column in WEAR_COLUMNS}
+"""Descriptions of the wear rates of the data set, by column."""
+
+
+def wear_words(column: str, element_size: float | None = None) -> str:
+    """Return of what place of the plate a wear rate is, such as "mean over the plate"."""
+    if column not in WEAR_WORDS:
+        return "as in the table that the model learned from"
+    return WearTarget(column, element_size).place

@@ -1,0 +1,54 @@
+"""The words for every target of a study, from one place."""
+
+import pytest
+
+from abradem.config import Config, target_dict
+from abradem.quantities import STATISTICS, WEAR_COLUMNS, WEAR_MEASURES, quantity, wear_parts
+from abradem.words.wear import WearTarget, wear_words
+
+PLACES = {
+    "mean": "mean over the plate",
+    "worn": "mean over the worn 30 mm elements",
+    "footprint": "mean over the footprint of 30 mm elements",
+    "p99": "99th percentile of 30 mm elements",
+    "max": "worst 30 mm element",
+}
+
+
+@pytest.mark.parametrize("measure", WEAR_MEASURES)
+@pytest.mark.parametrize("statistic", STATISTICS)
+def test_a_target_says_measure_statistic_and_size(measure, statistic):
+    said = WearTarget(f"wear_{measure}_{statistic}", 0.03)
+    assert (said.measure, said.statistic) == (measure, statistic)
+    assert said.place == wear_words(said.name, 0.03) == PLACES[statistic]
+    assert said.words == f"wear depth rate, {measure}, {PLACES[statistic]}"
+    assert said.has_elements == ("element" in said.place)
+    assert "mm" not in WearTarget(said.name).place
+
+
+def test_other_columns_are_no_wear_rate():
+    assert wear_words("loss") == "as in the table that the model learned from"
+    with pytest.raises(KeyError, match="'wear_total' is no wear rate; known: wear_total_mean"):
+        wear_parts("wear_total")
+
+
+def test_every_wear_rate_is_the_target_of_the_table_of_quantities():
+    for name in WEAR_COLUMNS:
+        row = quantity(name)
+        assert (row.symbol, row.name, row.unit, row.kind) == ("X21", name, "mm/s", "target")
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ({}, ("wear_friction_p99", 0.03)),
+        ({"learning": {"target": "wear_total_mean"}, "wear_rate": {"element_size_mm": None}},
+         ("wear_total_mean", 0.01)),
+        ({"learning": {"target": "wear_friction_p99"}, "wear_rate": {"element_size_mm": 30}},
+         ("wear_friction_p99", 0.03)),
+        ({"learning": {"target": "wear_total_max"}, "dataset": {"external": "t.csv"}},
+         ("wear_total_max", None)),
+    ],
+)  # fmt: skip
+def test_the_target_of_a_configuration(values, expected):
+    assert WearTarget(**target_dict(Config(study="x", **values))) == expected
