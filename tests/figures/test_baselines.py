@@ -20,9 +20,12 @@ from abradem.learning.baselines.pca import fit_pca
 from abradem.learning.baselines.penalised import fit_penalised
 from abradem.learning.baselines.selection import fit_selection
 from abradem.learning.baselines.trees import fit_trees
-from abradem.learning.comparison import beside_paper, compare, join_tables
+from abradem.learning.comparison import beside_paper, compare, join_tables, with_scale
 from abradem.learning.network import Training
 from abradem.learning.rows import learning_table
+from abradem.surrogate.groups import Jet
+
+JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
 
 
 class Learned:
@@ -48,7 +51,7 @@ class Learned:
         ]  # fmt: skip
         self.scores = join_tables([stage.scores for stage in stages])
         self.predictions = join_tables([stage.predictions for stage in stages])
-        self.comparison = compare(self.scores, self.predictions, draws=200)
+        self.comparison = compare(self.scores, with_scale(self.predictions, frame, JET), draws=200)
 
     def figures(self):
         networks = self.networks.values()

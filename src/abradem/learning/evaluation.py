@@ -27,7 +27,7 @@ Predict = Callable[[np.ndarray], np.ndarray]
 Fit = Callable[[np.ndarray, np.ndarray, np.ndarray], Predict]
 
 PREDICTION_COLUMNS = [
-    "model", "protocol", "case_id", "repeat", "split", "actual", "predicted",
+    "model", "protocol", "case_id", "repeat", "split", "actual", "predicted", "floor",
 ]  # fmt: skip
 
 
@@ -90,6 +90,7 @@ class Results:
                         "split": split,
                         "actual": actual,
                         "predicted": predicted,
+                        "floor": floor,
                     }
                 )
             )

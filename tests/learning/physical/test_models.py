@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from tables import product_law
 
+from abradem.learning.comparison import compare, join_tables, number_scores, with_scale
 from abradem.learning.physical import noise_floor as noise
 from abradem.learning.physical.intervals import calibrate
 from abradem.learning.physical.models import (
@@ -300,7 +301,10 @@ def test_rows_beyond_a_bound_are_not_trained_on(given):
 
 def test_the_findings_repeat_the_numbers(given):
     models = makers(1, **HASTY)
-    _, exponents, summary, (description, arrays) = fit_physical(given, models, repeats=2)
+    results, exponents, summary, (description, arrays) = fit_physical(given, models, repeats=2)
+    predictions = with_scale(results.predictions, law(), JET)
+    scores = join_tables([results.scores, number_scores(predictions, "t")])
+    comparison = compare(scores, predictions, draws=100)
     assert description["kind"] == "gaussian_process" and "rows" in arrays
     assert {"quantity", "group"} == set(exponents["kind"])
     _, intervals = calibrate(given, 3)
@@ -316,12 +320,16 @@ def test_the_findings_repeat_the_numbers(given):
     text = dict(
         findings(
             summary, intervals, {"scores": summary["scores"][PROCESS]}, verdict(indices),
-            curve, extrapolate(given, models), indices, falls, floor, speed,
+            curve, extrapolate(given, models), indices, falls, comparison, floor,
+            speed,
         )
     )  # fmt: skip
     best = summary["scores"][PROCESS]["test"]["R2"]["median"]
     assert f"Gaussian process {best:.4f}" in text["Comparison"]
     assert f"is {0.999 - best:.4f} below this limit" in text["Comparison"]
+    number = comparison.set_index("model").loc[PROCESS].iloc[0]["r2_number"]
+    assert "the part that they learn: power law" in text["Comparison"]
+    assert f"Gaussian process {number:.4f} (" in text["Comparison"]
     assert "20 thousand times faster" in text["Speed"]
     assert summary["equation"] in text["Power law"]
     assert "Archard wear constant (" in text["Sensitivity"]
