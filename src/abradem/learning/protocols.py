@@ -8,7 +8,8 @@
 ``as_published``
     The procedure of the paper's notebooks: one shuffle with seed 42, a scaler fitted to all rows
     before the split, choices made on the test rows. It is kept to reproduce the printed scores.
-    Its scores are optimistic, and every table and figure that shows them says so.
+    Where they exceed the leakage-free ones they are optimistic. Every table and figure that shows
+    them names the protocol.
 """
 
 from __future__ import annotations

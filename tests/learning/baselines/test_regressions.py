@@ -149,6 +149,11 @@ def test_the_wrong_target_cannot_be_explained_and_the_right_one_can(principal):
     curve = principal.curve.query("protocol == 'as_published'").set_index("explained")
     assert curve.loc["last component", "r2"].max() < 0.1
     assert curve.loc["wear", "r2"].iloc[-1] > 0.8
+    last = curve.loc["last component"].set_index("components")["r2"]
+    told = principal.summary["wrong_target"]
+    assert {one["components"]: one["r2"] for one in told["r2"]} == {12: last[12], 13: last[13]}
+    assert told["all_components"] == {"components": last.index[-1], "r2": last.iloc[-1]}
+    assert told["printed"] == -0.21
     assert "leakage_free" not in set(
         principal.results.scores.query("model == 'pca_wrong_target'")["protocol"]
     )

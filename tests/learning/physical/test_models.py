@@ -5,6 +5,7 @@ import os
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import stats
 from tables import product_law
 
 from abradem.learning.comparison import compare, join_tables, number_scores, with_scale
@@ -154,6 +155,30 @@ def test_the_noise_floor_is_what_a_perfect_model_scores():
     assert low < summary["r2_floor"] < high
     assert low < r2(noisy, true) < high
     assert summary["r2_floor_of_stated_errors"] < low
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.8])
+def test_the_band_of_the_ratio_holds_its_mean_whether_it_varies_or_not(spread):
+    # Ten cases of nine simulations; the true ratios are log-normal with mean 1.
+    rng = np.random.default_rng(2)
+    hits = {"scatter": 0, "same ratio": 0}
+    for _ in range(1000):
+        true = np.exp(spread * rng.standard_normal(10) - 0.5 * spread**2)
+        found = true * rng.chisquare(8, 10) / 8
+        mean, (low, high) = noise.mean_ratio(found, np.full(10, 8), 0.95)
+        assert low < mean < high
+        hits["scatter"] += low <= 1.0 <= high
+        hits["same ratio"] += (
+            80 / stats.chi2.ppf(0.975, 80) <= 1.0 / mean <= 80 / stats.chi2.ppf(0.025, 80)
+        )
+    assert hits["scatter"] >= (920 if spread == 0.0 else 850)
+    # A band for the same ratio in all cases does not hold one that varies.
+    assert (hits["same ratio"] > 900) == (spread == 0.0)
+
+
+def test_a_single_case_has_no_band():
+    mean, band = noise.mean_ratio(np.array([1.5]), np.array([8]), 0.95)
+    assert mean == 1.5 and np.isnan(band).all()
 
 
 def test_the_noise_floor_is_that_of_the_target():

@@ -322,7 +322,7 @@ def fit_networks(
 
 
 _FITNESS = {
-    AS_PUBLISHED: "R2 on the test rows (as published, optimistic)",
+    AS_PUBLISHED: "R2 on the test rows (as published)",
     LEAKAGE_FREE: "R2 on validation rows inside the training rows",
 }
 

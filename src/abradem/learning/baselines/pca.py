@@ -30,6 +30,7 @@ from abradem.learning.protocols import (
     published_split,
     repeated_splits,
 )
+from abradem.learning.published import SCORES, WRONG_TARGET_COMPONENTS
 from abradem.learning.rows import (
     FEWEST_ROWS,
     Scaler,
@@ -95,7 +96,8 @@ class PcaResult:
         Description and arrays of the regression.
     summary : dict
         Groups of features by component, the groups of the stiffnesses as text, and
-        ``held_fixed``, the features left out.
+        ``held_fixed``, the features left out; ``wrong_target``, R2 of the last component with the
+        numbers of components that give the printed value, and with all.
     """
 
     loadings: pd.DataFrame
@@ -225,8 +227,20 @@ def fit_pca(
             "held_fixed": of_kind(FEATURE_NAMES, table.variation, HELD_FIXED),
             "components": count,
             "components_of_the_splits": counts,
+            "wrong_target": _wrong_target(curve[1]),
         },
     )
+
+
+def _wrong_target(curve: pd.DataFrame) -> dict:
+    """R2 of the wrong target where the paper's value belongs and with most components."""
+    known = curve.set_index("components")["r2"]
+    wanted = [count for count in WRONG_TARGET_COMPONENTS if count in known.index]
+    return {
+        "printed": SCORES[WRONG][0],
+        "r2": [{"components": count, "r2": known[count]} for count in wanted],
+        "all_components": {"components": len(known), "r2": known.iloc[-1] if len(known) else None},
+    }
 
 
 def groups_of(loadings: pd.DataFrame) -> dict[str, list[str]]:
