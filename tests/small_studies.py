@@ -29,7 +29,13 @@ from abradem.learning.baselines.pca import train as train_pca
 from abradem.learning.baselines.penalised import train as train_penalised
 from abradem.learning.baselines.selection import train as train_selection
 from abradem.learning.baselines.trees import train as train_trees
-from abradem.learning.comparison import beside_paper, compare, join_tables
+from abradem.learning.comparison import (
+    beside_paper,
+    compare,
+    join_tables,
+    number_scores,
+    with_scale,
+)
 from abradem.learning.exponents import exponents_beside_published
 from abradem.learning.network import Training
 from abradem.learning.physical import distil
@@ -96,7 +102,7 @@ def learned(table, folder):
         with mock.patch.object(networks, "NETWORK", (6, 5)):
             one = networks.fit_networks(
                 learning_table(table, TARGET, NAME, 8), protocol, options, QUICK, QUICK,
-                retrainings=2, seed=1,
+                retrainings=2, repeats=3, seed=1,
             )  # fmt: skip
         found[f"ga_ann_{protocol}"] = {
             "history": one.history, "scores": one.results.scores,
@@ -137,6 +143,8 @@ def learned(table, folder):
     scores, predictions = (
         join_tables([one[kind] for one in stages]) for kind in ("scores", "predictions")
     )
+    predictions = with_scale(predictions, table, JET)
+    scores = join_tables([scores, number_scores(predictions, NAME)])
     compared = compare(scores, predictions, draws=200)
     found["scores"] = {
         "scores": scores, "predictions": predictions, "comparison": compared,
@@ -156,7 +164,8 @@ def texts_of(table, found):
     paragraphs = findings(
         found["physical"].summary, found["intervals"].summary, found["surrogate"].summary,
         sensitivity_found.summary, found["reach"].curve, found["reach"].extrapolation,
-        sensitivity_found.indices, sensitivity_found.falls, exponents=exponents,
+        sensitivity_found.indices, sensitivity_found.falls, scored.comparison,
+        exponents=exponents,
     )  # fmt: skip
     summary = study_summary(
         table, None, found["linear"].summary, scored.comparison, 0.95, "small.csv"

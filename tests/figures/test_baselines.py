@@ -6,7 +6,7 @@ import pytest
 from figure_checks import assert_fit_to_print, texts
 from tables import product_law
 
-from abradem.figures.comparison import comparison_figure, predictions_figure
+from abradem.figures.comparison import comparison_figure, optimistic, predictions_figure
 from abradem.figures.ga_ann import search_figure
 from abradem.figures.pca import components_curve_figure, correlations_figure, loadings_figure
 from abradem.figures.penalised import penalised_figure
@@ -20,9 +20,13 @@ from abradem.learning.baselines.pca import fit_pca
 from abradem.learning.baselines.penalised import fit_penalised
 from abradem.learning.baselines.selection import fit_selection
 from abradem.learning.baselines.trees import fit_trees
-from abradem.learning.comparison import beside_paper, compare, join_tables
+from abradem.learning.comparison import beside_paper, compare, join_tables, with_scale
 from abradem.learning.network import Training
 from abradem.learning.rows import learning_table
+from abradem.surrogate.groups import Jet
+from abradem.words.labels import MODELS
+
+JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
 
 
 class Learned:
@@ -39,7 +43,7 @@ class Learned:
         options = Options(population=4, generations=3, max_neurons=20)
         quick = Training(2, 16)
         self.networks = {
-            protocol: fit_networks(table, protocol, options, quick, quick, retrainings=3)
+            protocol: fit_networks(table, protocol, options, quick, quick, retrainings=3, repeats=3)
             for protocol in ("as_published", "leakage_free")
         }
         stages = [
@@ -48,7 +52,7 @@ class Learned:
         ]  # fmt: skip
         self.scores = join_tables([stage.scores for stage in stages])
         self.predictions = join_tables([stage.predictions for stage in stages])
-        self.comparison = compare(self.scores, self.predictions, draws=200)
+        self.comparison = compare(self.scores, with_scale(self.predictions, frame, JET), draws=200)
 
     def figures(self):
         networks = self.networks.values()
@@ -97,6 +101,15 @@ def test_heat_maps_show_every_pair(figures):
     assert first.images[0].get_array().shape == (10, 10)
     assert second.images[0].get_array().shape == (11, 11)
     assert np.isfinite(first.images[0].get_array()).all()
+
+
+def test_only_scores_above_the_leakage_free_ones_are_called_optimistic():
+    beside = pd.DataFrame(
+        {"model": ["ridge", "ga_ann"], "as_published_r2": [0.5, 0.9],
+         "leakage_free_r2": [0.6, 0.8]}
+    )  # fmt: skip
+    assert optimistic(beside) == f"above leakage-free, hence optimistic: {MODELS['ga_ann']}; "
+    assert optimistic(beside.assign(as_published_r2=0.1)) == ""
 
 
 def test_every_model_is_compared(figures):

@@ -8,7 +8,7 @@ from tables import product_law
 from abradem.figures.physical import models_figure
 from abradem.figures.reach import reach_figure
 from abradem.figures.sensitivity import sensitivity_figure
-from abradem.learning.comparison import compare
+from abradem.learning.comparison import compare, with_scale
 from abradem.learning.physical.intervals import calibrate
 from abradem.learning.physical.models import POWER_LAW, PROCESS, all_targets, fit_physical, makers
 from abradem.learning.physical.problem import problem
@@ -30,7 +30,7 @@ def figures(rows):
     process = models[PROCESS]().fit(given.groups, given.log_number, given.error)
     calibration, _ = calibrate(given, 3)
     indices = sobol(process, given, points=32, resamples=5)
-    comparison = compare(results.scores, results.predictions, draws=100)
+    comparison = compare(results.scores, with_scale(results.predictions, frame, JET), draws=100)
     curve = learning_curve(given, two, repeats=2)
     for noise in (NOISE, None, {**NOISE, "r2_floor": None}):
         yield models_figure(comparison, calibration, curve, indices, exponents, noise, "t")

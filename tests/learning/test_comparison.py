@@ -3,11 +3,22 @@
 import numpy as np
 import pandas as pd
 import pytest
+from tables import product_law
 
 from abradem.learning import published
-from abradem.learning.comparison import beside_paper, bootstrap_r2, compare, join_tables
-from abradem.learning.scores import SCORE_COLUMNS, score_rows
+from abradem.learning.comparison import (
+    METRIC_COLUMNS,
+    beside_paper,
+    bootstrap,
+    bootstrap_r2,
+    compare,
+    join_tables,
+    number_scores,
+    with_scale,
+)
+from abradem.learning.scores import SCORE_COLUMNS, score, score_rows
 from abradem.quantities import FEATURE_NAMES
+from abradem.surrogate.groups import Jet
 
 
 def scores_of(model, protocol, values, split="test"):
@@ -21,8 +32,81 @@ def predictions_of(model, protocol, n=40, error=0.3):
     actual = rng.standard_normal(n)
     return pd.DataFrame(
         {"model": model, "protocol": protocol, "case_id": np.arange(n), "repeat": 0,
-         "split": "test", "actual": actual, "predicted": actual + error * rng.standard_normal(n)}
+         "split": "test", "actual": actual, "predicted": actual + error * rng.standard_normal(n),
+         "floor": -3.0, "scale": 1.0}
     )  # fmt: skip
+
+
+def wear_of(n=40, seed=0, floor=0.3):
+    """Predictions of a positive wear, some of them below the floor, and its scale."""
+    rng = np.random.default_rng(seed)
+    scale = np.exp(rng.standard_normal(n))
+    actual = scale * np.exp(0.5 * rng.standard_normal(n))
+    predicted = actual * np.exp(0.2 * rng.standard_normal(n)) - 0.1
+    return pd.DataFrame(
+        {"model": "ridge", "protocol": "leakage_free", "case_id": np.arange(n), "repeat": 0,
+         "split": "test", "actual": actual, "predicted": predicted, "floor": floor, "scale": scale}
+    )  # fmt: skip
+
+
+def test_bootstrap_intervals_of_all_metrics_are_those_of_a_plain_loop():
+    part = wear_of()
+    found = bootstrap(part, 300, 0.9, 3)
+    draws = np.random.default_rng(3).integers(0, len(part), (300, len(part)))
+    plain = [
+        score(*(part[name].to_numpy()[rows] for name in ("actual", "predicted")), 0.3)
+        for rows in draws
+    ]
+    for metric in ("R2", "R2_log", "RMSE", "MAE", "MAPE"):
+        ends = np.percentile([one[metric] for one in plain], [5.0, 95.0])
+        assert found[metric] == pytest.approx(ends)
+
+
+def test_the_score_of_the_wear_number_has_the_errors_of_ln_y_over_its_own_variance():
+    part = wear_of()
+    (row,) = number_scores(part, "t").to_dict("records")
+    away = np.log(np.maximum(part["predicted"], 0.3)) - np.log(part["actual"])
+    number = np.log(part["actual"] / part["scale"])
+    expected = 1.0 - np.sum(away**2) / np.sum((number - number.mean()) ** 2)
+    assert (row["metric"], row["split"], row["repeat"]) == ("R2_number", "test", 0)
+    assert row["value"] == pytest.approx(expected)
+    # A model that knows the scale alone scores well on the wear and nothing on the number.
+    trivial = part.assign(predicted=part["scale"] * np.exp(number.mean()), floor=1e-9)
+    assert number_scores(trivial, "t")["value"][0] == pytest.approx(0.0, abs=1e-12)
+    assert score(trivial["actual"], trivial["predicted"], 1e-9)["R2_log"] > 0.6
+    assert np.isnan(number_scores(part.assign(scale=0.0), "t")["value"][0])
+
+
+def test_the_scale_of_a_row_is_that_of_its_case():
+    frame = product_law(12).iloc[::-1]
+    jet = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
+    found = with_scale(wear_of(12).drop(columns="scale"), frame, jet).set_index("case_id")["scale"]
+    squared = frame["particle_velocity_y"] ** 2 + 2.0 * 9.81 * 0.25
+    scale = 1e3 * frame["archard_constant"] * 4.0 * squared / (2.0 * 0.09)
+    np.testing.assert_allclose(found[frame["case_id"]], scale)
+
+
+def test_every_metric_has_an_interval_over_the_splits_and_on_the_first():
+    parts = [wear_of(seed=k).assign(repeat=k) for k in range(5)]
+    predictions = pd.concat(parts, ignore_index=True)
+    keys = dict(model="ridge", protocol="leakage_free", table="t", split="test", target_unit="mm/s")
+    metrics = [score(part["actual"], part["predicted"], 0.3) for part in parts]
+    scores = pd.DataFrame(
+        [row for k, one in enumerate(metrics) for row in score_rows(one, **keys, repeat=k)]
+    )
+    over, first = compare(
+        pd.concat([scores, number_scores(predictions, "t")]), predictions, 200, 0.8
+    ).to_dict("records")
+    assert (over["basis"], over["repeats"], first["basis"]) == ("repeated splits", 5, "fixed split")
+    for metric, name in METRIC_COLUMNS.items():
+        if metric != "R2_number":
+            values = [one[metric] for one in metrics]
+            expected = np.percentile(values, [10.0, 50.0, 90.0])
+            found = [over[name + end] for end in ("_lower", "", "_upper")]
+            assert found == pytest.approx(expected)
+            assert first[name] == pytest.approx(values[0])
+        for one in (over, first):
+            assert one[f"{name}_lower"] < one[f"{name}_upper"]
 
 
 def test_the_bootstrap_interval_holds_the_score_of_many_rows():

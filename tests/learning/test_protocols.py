@@ -26,14 +26,14 @@ def test_the_published_split_is_that_of_the_library(rows, share):
 
 @pytest.mark.parametrize(("rows", "count"), [(20, 5), (7, 5), (4, 5)])
 def test_folds_validate_every_row_once_and_never_train_on_it(rows, count):
-    found = folds(rows, count, seed=1)
+    found = folds(np.arange(rows), count, seed=1)
     assert sorted(np.concatenate([check for _, check in found])) == list(range(rows))
     assert all(not set(train) & set(check) and len(check) >= 2 for train, check in found)
 
 
 def test_too_few_rows_cannot_be_cross_validated():
     with pytest.raises(ValueError, match="3 rows are too few"):
-        folds(3, 5, seed=1)
+        folds(np.arange(3), 5, seed=1)
 
 
 def predicted(frame, protocol):

@@ -94,8 +94,8 @@ def test_splits_part_all_rows_and_follow_the_keys_not_the_rows():
     keys = np.array([30, 10, 20, 50, 40, 60, 70])
     order = np.argsort(keys)
     pairs = zip(
-        repeated_splits(keys, 0.2, 4, seed=3),
-        repeated_splits(keys[order], 0.2, 4, seed=3),
+        repeated_splits(keys, np.arange(len(keys)), 0.2, 4, seed=3),
+        repeated_splits(keys[order], order, 0.2, 4, seed=3),
         strict=True,
     )
     for (train, test), (other_train, other_test) in pairs:
@@ -106,8 +106,10 @@ def test_splits_part_all_rows_and_follow_the_keys_not_the_rows():
 
 
 def test_splits_differ_and_the_first_ones_stay_when_more_are_asked_for():
-    few = [tuple(test) for _, test in repeated_splits(np.arange(50), 0.2, 3, seed=1)]
-    more = [tuple(test) for _, test in repeated_splits(np.arange(50), 0.2, 9, seed=1)]
+    few = [tuple(test) for _, test in repeated_splits(np.arange(50), np.arange(50), 0.2, 3, seed=1)]
+    more = [
+        tuple(test) for _, test in repeated_splits(np.arange(50), np.arange(50), 0.2, 9, seed=1)
+    ]
     assert more[:3] == few and len(set(more)) == 9
 
 

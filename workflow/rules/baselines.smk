@@ -211,9 +211,8 @@ rule ga_ann:
             "features": LEARNING.selection.features,
             "lasso_alpha": LEARNING.penalised.lasso_alpha,
             "ridge_alpha": LEARNING.penalised.ridge_alpha,
-            "test_share": LEARNING.test_share,
             "confidence": LEARNING.confidence,
-            "seed": CONFIG.seed,
+            **SPLITS,
         },
         folder=lambda wildcards, output: beside(
             output.summary, f".ga_ann-{wildcards.protocol}"

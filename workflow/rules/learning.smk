@@ -32,6 +32,7 @@ rule learning:
 rule scores:
     """The scores and predictions of all models, and their comparison."""
     input:
+        dataset=rules.dataset.output[0],
         scores=expand(f"{RESULTS}/learning/{{stage}}_scores.parquet", stage=SCORED),
         predictions=expand(
             f"{RESULTS}/learning/{{stage}}_predictions.parquet", stage=SCORED
@@ -46,6 +47,8 @@ rule scores:
     conda:
         "../envs/abradem.yaml"
     params:
+        setup=JET,
+        table=CONFIG.study,
         options={
             "draws": LEARNING.bootstrap,
             "confidence": LEARNING.confidence,

@@ -119,7 +119,7 @@ rule surrogate:
         setup=JET,
         table=LEARNED_FROM,
         settings=SURROGATE.model_dump(include={"points", "hidden", "epochs"}),
-        splits={**SPLITS, "repeats": min(SURROGATE.repeats, LEARNING.repeats)},
+        splits=SPLITS,
         options={
             "confidence": LEARNING.confidence,
             "seed": CONFIG.seed,

@@ -123,6 +123,7 @@ rule findings:
         indices=rules.sensitivity.output.indices,
         falls=rules.sensitivity.output.falls,
         exponents=rules.exponents.output[0],
+        comparison=rules.scores.output.comparison,
         noise=NOISE_SUMMARY,
         speed=rules.speed_up.output[0] if SIMULATED else [],
     output:

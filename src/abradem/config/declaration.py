@@ -546,9 +546,9 @@ class GaAnn(Section):
     )
     searches: int = _key(
         1,
-        "Number of leakage-free searches, each in the training rows of a different split. With 1 "
-        "there is one fixed split; with more the whole search is nested and takes that many times "
-        "as long.",
+        "Number of leakage-free searches, each in the training rows of a different split, which "
+        "take that many times as long as one. On all other splits the network found by the first "
+        "search is trained and scored.",
         ge=1,
         le=1000,
     )
@@ -616,7 +616,6 @@ class SurrogateModel(Section):
         max_length=10,
     )
     epochs: int = _key(40, "Epochs of the training.", ge=1, le=100_000)
-    repeats: int = _key(5, "Random splits for the score of the network.", ge=1, le=10_000)
     timed_cases: int = _key(
         5,
         "Cases that are simulated again to compare the run times of engine and network.",

@@ -202,8 +202,8 @@ FIGURES: dict[str, Entry] = {
         "ga_ann:draw",
         "The genetic search for a network: fitness and size over the generations under both "
         "protocols, the lineage of the best network, and the scores of the same network trained "
-        "again. As published the fitness is computed on the test rows and is therefore "
-        "optimistic; leakage-free it is computed on validation rows.",
+        "again. As published the fitness is computed on the test rows, so that chance "
+        "raises it; leakage-free it is computed on validation rows.",
         BOTH,
     ),
     "architecture": Entry(
@@ -251,8 +251,8 @@ FIGURES: dict[str, Entry] = {
         ALL_MODELS,
         "all models",
         "comparison:comparison_figure",
-        "R² of all models on held-out cases: printed in the paper, reproduced on this data set (as "
-        "published, optimistic), and leakage-free with intervals.",
+        "R² of all models on held-out cases: printed in the paper, reproduced on this data set as "
+        "published, and leakage-free with intervals.",
         BOTH,
     ),
     "predictions": Entry(

@@ -67,7 +67,7 @@ def models_figure(
         rows = int(calibration["tested"].iloc[0])
         words = (
             f"data set: {table}. (a) test rows of repeated splits, leakage-free protocol: median "
-            "and central 95 % of the splits (surrogate: of the first splits). "
+            "and central 95 % of the splits, which are the same for all models. "
         )
         if noise is not None:
             words += (

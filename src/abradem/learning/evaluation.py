@@ -1,8 +1,9 @@
 """Fit a model to the training rows of each split and score it on the held-out rows.
 
-A model is a function ``fit(features, target)`` that returns a function ``predict(features)``.
-Features have shape (n, p), targets and predictions shape (n,). `with_scalers` wraps a model that
-expects standardised variables.
+A model is a function ``fit(features, target, groups)`` that returns a function
+``predict(features)``. Features have shape (n, p), targets, groups of rows and predictions shape
+(n,). The groups are those that no split inside the training rows may divide. `with_scalers` wraps a
+model that expects standardised variables.
 """
 
 from __future__ import annotations
@@ -23,10 +24,10 @@ from abradem.learning.rows import Scaler, Table, standard_scaler
 from abradem.learning.scores import SCORE_COLUMNS, score, score_rows
 
 Predict = Callable[[np.ndarray], np.ndarray]
-Fit = Callable[[np.ndarray, np.ndarray], Predict]
+Fit = Callable[[np.ndarray, np.ndarray, np.ndarray], Predict]
 
 PREDICTION_COLUMNS = [
-    "model", "protocol", "case_id", "repeat", "split", "actual", "predicted",
+    "model", "protocol", "case_id", "repeat", "split", "actual", "predicted", "floor",
 ]  # fmt: skip
 
 
@@ -89,6 +90,7 @@ class Results:
                         "split": split,
                         "actual": actual,
                         "predicted": predicted,
+                        "floor": floor,
                     }
                 )
             )
@@ -138,9 +140,9 @@ def with_scalers(fit: Fit, scalers: tuple[Scaler, Scaler] | None = None) -> Fit:
         The model in raw variables.
     """
 
-    def fit_raw(features: np.ndarray, target: np.ndarray) -> Predict:
+    def fit_raw(features: np.ndarray, target: np.ndarray, groups: np.ndarray) -> Predict:
         of_features, of_target = scalers or (standard_scaler(features), standard_scaler(target))
-        predict = fit(of_features.forward(features), of_target.forward(target))
+        predict = fit(of_features.forward(features), of_target.forward(target), groups)
         return lambda rows: of_target.back(predict(of_features.forward(rows)))
 
     return fit_raw
@@ -167,7 +169,7 @@ def evaluate_leakage_free(
         See `abradem.learning.protocols.repeated_splits`.
     """
     table = results.table
-    splits = repeated_splits(table.keys, test_share, repeats, seed)
+    splits = repeated_splits(table.keys, table.groups, test_share, repeats, seed)
     _evaluate(results, model, LEAKAGE_FREE, fit, splits)
 
 
@@ -186,7 +188,7 @@ def _evaluate(
 ) -> None:
     x, y = results.table.features, results.table.target
     for repeat, (train, test) in enumerate(splits):
-        predict = fit(x[train], y[train])
+        predict = fit(x[train], y[train], results.table.groups[train])
         floor = float(y[train].min())
         results.add(model, protocol, "train", repeat, train, predict(x[train]), floor, keep=False)
         results.add(model, protocol, "test", repeat, test, predict(x[test]), floor)

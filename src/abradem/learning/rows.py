@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset.variation import held_fixed, scales_of, settled, variation
+from abradem.learning.repeated_rows import groups_of_rows
 from abradem.quantities import FEATURE_NAMES, TARGET
 from abradem.store.columns import COLUMNS
 from abradem.store.tables import content_hash
@@ -35,6 +36,9 @@ class Table(NamedTuple):
     features : ndarray, shape (n, 20)
         In the order of `FEATURE_NAMES` and in the units of `abradem.quantities`. Features that
         were held fixed have exactly the same value in all rows.
+    groups : ndarray of int, shape (n,)
+        Group of each row; rows of a group repeat one another, see
+        `abradem.learning.repeated_rows.groups_of_rows`.
     target : ndarray, shape (n,)
     target_name, unit : str
     name : str
@@ -45,6 +49,7 @@ class Table(NamedTuple):
 
     keys: np.ndarray
     features: np.ndarray
+    groups: np.ndarray
     target: np.ndarray
     target_name: str
     unit: str
@@ -122,6 +127,7 @@ def learning_table(
     return Table(
         keys=dataset["case_id"].to_numpy(),
         features=x,
+        groups=groups_of_rows(x),
         target=y,
         target_name=target,
         unit=COLUMNS[target].unit,

@@ -18,6 +18,7 @@ from abradem.learning.number_text import (
 )
 from abradem.learning.physical.models import BEST
 from abradem.learning.physical.reach import TESTS
+from abradem.learning.protocols import LEAKAGE_FREE
 from abradem.words.escaping import for_html
 from abradem.words.labels import LABELS, POWER_LABELS
 from abradem.words.wear import WearTarget
@@ -39,6 +40,7 @@ def findings(
     extrapolation: pd.DataFrame,
     indices: pd.DataFrame,
     falls: pd.DataFrame,
+    comparison: pd.DataFrame,
     noise: Mapping | None = None,
     speed: Mapping | None = None,
     exponents: pd.DataFrame | None = None,
@@ -54,6 +56,8 @@ def findings(
         From `abradem.learning.physical.reach`.
     indices, falls : pandas.DataFrame
         From `abradem.learning.physical.sensitivity`.
+    comparison : pandas.DataFrame
+        From `abradem.learning.comparison.compare`.
     noise : mapping, optional
         From `abradem.learning.physical.noise_floor`; None without simulations.
     speed : mapping, optional
@@ -70,7 +74,7 @@ def findings(
     """
     fixed = sensitivity["held_fixed"]
     found = [
-        ("Comparison", _comparison(physical, surrogate, noise)),
+        ("Comparison", _comparison(physical, surrogate, comparison, noise)),
         ("Power law", _power_law(physical)),
         ("Intervals", _intervals(intervals)),
         ("Learning curve", _curve(curve)),
@@ -78,6 +82,8 @@ def findings(
     ]
     if exponents is not None:
         found.insert(2, ("Exponents beside the published data", _exponents(exponents)))
+    if physical["repeated"]["rows"]:
+        found.insert(0, ("Repeated rows", _repeated(physical["rows"], physical["repeated"])))
     if fixed:
         found.insert(0, ("Held fixed", _held_fixed(fixed)))
     if target is not None:
@@ -102,16 +108,32 @@ def to_html(title: str, paragraphs: list[tuple[str, str]]) -> str:
     )
 
 
-def _comparison(physical: Mapping, surrogate: Mapping, noise: Mapping | None) -> str:
+def _repeated(rows: int, repeated: Mapping) -> str:
+    """The rows that repeat others, counted and named."""
+    named = "; ".join(", ".join(map(str, cases)) for cases in repeated["cases"])
+    more = repeated["groups"] - len(repeated["cases"])
+    others = f"; and {more} more" if more else ""
+    return (
+        f"{repeated['rows']} of {rows} rows repeat one another, exactly or nearly, in "
+        f"{repeated['groups']} groups (case numbers: {named}{others}). Every split and every fold "
+        "of the leakage-free protocol keeps a group on one side. The split as published divides "
+        "groups, so scores as published count what was learned by heart."
+    )
+
+
+def _comparison(
+    physical: Mapping, surrogate: Mapping, comparison: pd.DataFrame, noise: Mapping | None
+) -> str:
     scores = {**physical["scores"], "surrogate": surrogate["scores"]}
     names = {**NAMES, "surrogate": "surrogate distilled from the Gaussian process"}
     listed = "; ".join(f"{names[name]} {_score(scores[name]['test']['R2'])}" for name in names)
     text = (
-        "R2 on held-out cases, median over the splits (surrogate: over the first splits) and "
+        "R2 on held-out cases, median over the splits, which are the same for all models, and "
         f"central share of the splits: {listed}."
     )
     if not any(is_number(scores[name]["test"]["R2"]["median"]) for name in names):
         text += " R2 is undefined where the wear of the held-out cases has no spread."
+    text += _number_scores(comparison, names)
     if noise is not None and is_number(noise["r2_floor"]):
         best = scores[BEST]["test"]["R2"]["median"]
         text += (
@@ -127,6 +149,23 @@ def _comparison(physical: Mapping, surrogate: Mapping, noise: Mapping | None) ->
         if is_number(best):
             text += f"The {NAMES[BEST]} is {noise['r2_floor'] - best:.4f} below this limit."
     return text.strip()
+
+
+def _number_scores(comparison: pd.DataFrame, names: Mapping) -> str:
+    """R2 of the logarithm of the wear number, without what the models are given."""
+    leakage_free = comparison[comparison["protocol"] == LEAKAGE_FREE].drop_duplicates("model")
+    parts = [
+        f"{names[row.model]} {score_number(row.r2_number)} "
+        f"({score_range((row.r2_number_lower, row.r2_number_upper))})"
+        for row in leakage_free.itertuples()
+        if row.model in names and is_number(row.r2_number)
+    ]
+    if not parts:
+        return ""
+    return (
+        " Wear constant, feed and squared speed enter the wear as a factor that these models are "
+        f"given. R2 of ln(wear number), the part that they learn: {'; '.join(parts)}."
+    )
 
 
 def _intervals(intervals: Mapping) -> str:

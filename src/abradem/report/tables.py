@@ -12,7 +12,8 @@ TABLES: dict[str, str] = {
     "fits in which the weight of a feature is not zero.",
     "selection": "The features chosen for the networks under both protocols, and the paper's list.",
     "scores": "Scores of the models: one row per model, protocol, split and metric.",
-    "comparison": "R² of each model and protocol on held-out cases with its interval, and the "
+    "comparison": "Scores of each model and protocol on held-out cases with their intervals (R² of "
+    "the wear, of its logarithm and of the logarithm of the wear number, errors), and the "
     "basis of the interval.",
     "beside_paper": "For each model, the printed R², the R² reproduced on this data set as "
     "published, and the leakage-free R².",

@@ -151,6 +151,8 @@ LEARNING = {
     "identified": Column("1", "whether the rows determine this coefficient", "bool"),
     "actual": Column(TARGET.unit, "simulated wear depth rate"),
     "predicted": Column(TARGET.unit, "predicted wear depth rate"),
+    "floor": Column(TARGET.unit, "smallest wear depth rate of the training rows"),
+    "scale": Column(TARGET.unit, "scale of the wear, W m' v^2 / (2 A)"),
     "variation": Column("1", "varied, held fixed or not identified in these rows", "string"),
     "variance_inflation": Column("1", "variance inflation factor"),
     "fitted": Column("1", "fitted target, in its standard deviations"),
@@ -205,6 +207,10 @@ LEARNING = {
     "repeats": Column("1", "number of scores behind it", "int32"),
     "printed_r2": Column("1", "R2 as printed"),
     "as_published_r2": Column("1", "R2 by the steps as published"),
+    "leakage_free_r2_log": Column("1", "R2 of ln y by the leakage-free protocol"),
+    "leakage_free_r2_number": Column(
+        "1", "R2 of the logarithm of the wear number by the leakage-free protocol"
+    ),
     "leakage_free_r2": Column("1", "R2 by the leakage-free protocol"),
     "leakage_free_lower": Column("1", "lower end of the interval of the leakage-free R2"),
     "leakage_free_upper": Column("1", "upper end of the interval of the leakage-free R2"),
@@ -216,6 +222,20 @@ MODELS = {
     "target": Column("1", "column of the data set that is explained", "string"),
     "raised": Column("1", "targets that were not positive and were raised", "int32"),
     "r2_log": Column("1", "R2 of the logarithm"),
+    "r2_number": Column("1", "R2 of the logarithm of the wear number"),
+    "rmse": Column(TARGET.unit, "root mean square error"),
+    "mae": Column(TARGET.unit, "mean absolute error"),
+    **{
+        f"{name}_{end}": Column(unit, f"{end} end of the interval of the {words}")
+        for name, unit, words in (
+            ("r2_log", "1", "R2 of the logarithm"),
+            ("r2_number", "1", "R2 of the logarithm of the wear number"),
+            ("rmse", TARGET.unit, "root mean square error"),
+            ("mae", TARGET.unit, "mean absolute error"),
+            ("mape", "1", "mean absolute relative error"),
+        )
+        for end in ("lower", "upper")
+    },
     "term": Column("1", "term of the power law", "string"),
     "kind": Column("1", "whether the term is a quantity or a dimensionless group", "string"),
     "words": Column("1", "what it is, in words", "string"),

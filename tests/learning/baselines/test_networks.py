@@ -8,17 +8,19 @@ import sys
 import time
 import warnings
 from concurrent.futures.process import BrokenProcessPool
+from unittest import mock
 
 import numpy as np
 import pytest
 import torch
 from tables import linear_law, no_law
 
-from abradem.learning.baselines import genetic
+from abradem.learning.baselines import ga_ann, genetic
 from abradem.learning.baselines.ga_ann import fit_networks, settings
 from abradem.learning.baselines.genetic import Chromosome, Memory, Options, SearchProblem, search
 from abradem.learning.model_files import Model
 from abradem.learning.network import Training, network_of, parameters_of, start, train
+from abradem.learning.protocols import repeated_splits
 from abradem.learning.rows import learning_table
 
 SMALL = Options(population=6, generations=4, max_layers=3, min_neurons=2, max_neurons=20)
@@ -221,7 +223,7 @@ def test_a_worker_that_is_killed_ends_the_search_instead_of_stopping_it(monkeypa
 def test_workers_end_with_the_process_that_they_work_for():
     code = """
 import os, numpy as np
-from abradem.learning.baselines import genetic
+from abradem.learning.baselines import ga_ann, genetic
 def told(*_):
     os.write(1, b'%d\\n' % os.getpid())  # in one piece, as both workers write
     __import__("time").sleep(60)
@@ -395,6 +397,7 @@ OPTIONS = {
     "training": QUICK,
     "final": Training(10, 16),
     "retrainings": 5,
+    "repeats": 2,
     "seed": 1,
 }
 
@@ -429,11 +432,12 @@ def test_looking_at_the_test_rows_is_optimistic_where_there_is_nothing_to_learn(
 
 def test_leakage_free_searches_do_not_touch_the_test_rows():
     frame = linear_law(60, 0.2)
-    first = fit_networks(learning_table(frame), "leakage_free", **OPTIONS)
+    one = {**OPTIONS, "repeats": 1}
+    first = fit_networks(learning_table(frame), "leakage_free", **one)
     tested = first.results.predictions.query("model == 'ga_ann'")["case_id"]
     changed = frame.copy()
     changed.loc[changed["case_id"].isin(tested), "wear_total_mean"] += 50.0
-    second = fit_networks(learning_table(changed), "leakage_free", **OPTIONS)
+    second = fit_networks(learning_table(changed), "leakage_free", **one)
     assert first.history.equals(second.history)
     np.testing.assert_array_equal(
         first.results.predictions["predicted"], second.results.predictions["predicted"]
@@ -447,13 +451,68 @@ def test_more_searches_take_other_splits_and_the_first_stays():
     two = fit_networks(table, "leakage_free", **quick, searches=2)
     assert r2(two, "test")[0] == r2(one, "test")[0] and len(r2(two, "test")) == 2
     assert two.history["repeat"].unique().tolist() == [0, 1]
+    assert (one.summary["splits"], len(one.summary["searches"])) == (2, 1)
+    assert (two.summary["splits"], len(two.summary["searches"])) == (2, 2)
+
+
+def test_networks_are_scored_on_the_splits_of_all_models_whatever_the_cores():
+    frame = linear_law(60, 0.2)
+    table = learning_table(frame)
+    quick = {**OPTIONS, "options": SMALL._replace(generations=1, population=2), "retrainings": 1}
+    with mock.patch.object(ga_ann, "NETWORK", (6, 5)):
+        one, two = (
+            fit_networks(table, "leakage_free", **{**quick, "repeats": 3}, cores=cores)
+            for cores in (1, 2)
+        )
+    assert one.results.scores.equals(two.results.scores)
+    assert one.results.predictions.equals(two.results.predictions)
+    rows = one.results.predictions
+    for repeat, (_, test) in enumerate(repeated_splits(table.keys, table.groups, 0.2, 3, 1)):
+        for model in ("ga_ann", "paper_net"):
+            mine = rows[(rows["model"] == model) & (rows["repeat"] == repeat)]
+            np.testing.assert_array_equal(mine["case_id"], table.keys[test])
+
+
+def test_a_network_on_a_further_split_learns_nothing_from_its_test_rows():
+    frame = linear_law(60, 0.2)
+    table = learning_table(frame)
+    quick = {**OPTIONS, "options": SMALL._replace(generations=1, population=2), "retrainings": 1}
+    (first, _), (other, tested) = repeated_splits(table.keys, table.groups, 0.2, 2, 1)
+    # Rows of the search in the first split choose the architecture, others do not.
+    only = np.setdiff1d(tested, first)
+    assert len(only) and len(other)
+    changed = frame.copy()
+    changed.loc[changed["case_id"].isin(table.keys[only]), "wear_total_mean"] += 50.0
+    with mock.patch.object(ga_ann, "NETWORK", (6, 5)):
+        before, after = (
+            fit_networks(learning_table(rows), "leakage_free", **quick).results.predictions.query(
+                "repeat == 1"
+            )
+            for rows in (frame, changed)
+        )
+    np.testing.assert_array_equal(before["predicted"], after["predicted"])
+    assert not np.array_equal(before["actual"], after["actual"])
+
+
+def test_networks_trained_each_on_its_own_rows_are_those_trained_alone():
+    rng = np.random.default_rng(4)
+    lessons = [
+        genetic.Lesson(seed, rng.standard_normal((30 + seed, 3)), rng.standard_normal(30 + seed))
+        for seed in range(3)
+    ]
+    layers = [(4,), (5, 3), (4,)]
+    found = genetic.train_each(layers, lessons, QUICK, cores=2)
+    for one, lesson, network in zip(layers, lessons, found, strict=True):
+        (alone,) = genetic.train_again(one, [lesson.seed], lesson.x, lesson.y, QUICK)
+        for ours, theirs in zip(network.weights, alone.weights, strict=True):
+            np.testing.assert_array_equal(ours, theirs)
 
 
 def test_the_networks_file_predicts_the_scored_rows(of_noise):
     rows = no_law(60)
     for result in of_noise.values():
         model = Model(*result.model)
-        stored = result.results.predictions.query("model == 'ga_ann'")
+        stored = result.results.predictions.query("model == 'ga_ann' and repeat == 0")
         with warnings.catch_warnings():
             # Test rows may lie outside the training ranges.
             warnings.simplefilter("ignore", UserWarning)

@@ -110,8 +110,8 @@ def test_the_penalty_is_chosen_without_the_test_rows(table):
     train, test = published_split(len(table.target), 0.2)
     target = table.target.copy()
     target[test] += 100.0
-    first = choose_alpha("lasso", table.features[train], table.target[train], 10, 5, 1)
-    second = choose_alpha("lasso", table.features[train], target[train], 10, 5, 1)
+    first = choose_alpha("lasso", table.features[train], table.target[train], train, 10, 5, 1)
+    second = choose_alpha("lasso", table.features[train], target[train], train, 10, 5, 1)
     assert first.alpha == second.alpha
 
 
@@ -149,6 +149,11 @@ def test_the_wrong_target_cannot_be_explained_and_the_right_one_can(principal):
     curve = principal.curve.query("protocol == 'as_published'").set_index("explained")
     assert curve.loc["last component", "r2"].max() < 0.1
     assert curve.loc["wear", "r2"].iloc[-1] > 0.8
+    last = curve.loc["last component"].set_index("components")["r2"]
+    told = principal.summary["wrong_target"]
+    assert {one["components"]: one["r2"] for one in told["r2"]} == {12: last[12], 13: last[13]}
+    assert told["all_components"] == {"components": last.index[-1], "r2": last.iloc[-1]}
+    assert told["printed"] == -0.21
     assert "leakage_free" not in set(
         principal.results.scores.query("model == 'pca_wrong_target'")["protocol"]
     )
@@ -209,7 +214,7 @@ def test_pruning_removes_what_noise_had_grown():
     rng = np.random.default_rng(2)
     x = rng.uniform(-1.0, 1.0, (120, 3))
     y = np.where(x[:, 0] > 0.0, 1.0, -1.0) + 0.3 * rng.standard_normal(120)
-    penalty = choose_penalty(x, y, 5, 0)
+    penalty = choose_penalty(x, y, np.arange(len(y)), 5, 0)
     assert grow(x, y, None, penalty).get_n_leaves() == 2 < grow(x, y).get_n_leaves()
 
 
@@ -217,10 +222,10 @@ def test_a_large_tree_is_kept_where_it_predicts_best_and_the_root_alone_where_no
     rng = np.random.default_rng(1)
     x = rng.uniform(-1.0, 1.0, (800, 3))
     smooth = np.sin(4.0 * x[:, 0]) + x[:, 1] ** 2 * x[:, 0]
-    leaves = grow(x, smooth, None, choose_penalty(x, smooth, 5, 0)).get_n_leaves()
+    leaves = grow(x, smooth, None, choose_penalty(x, smooth, np.arange(800), 5, 0)).get_n_leaves()
     assert 100 < leaves < grow(x, smooth).get_n_leaves()
     noise = rng.standard_normal(800)
-    assert grow(x, noise, None, choose_penalty(x, noise, 5, 0)).get_n_leaves() == 1
+    assert grow(x, noise, None, choose_penalty(x, noise, np.arange(800), 5, 0)).get_n_leaves() == 1
 
 
 def test_stored_trees_predict_as_the_library_does():

@@ -5,8 +5,10 @@ import os
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import stats
 from tables import product_law
 
+from abradem.learning.comparison import compare, join_tables, number_scores, with_scale
 from abradem.learning.physical import noise_floor as noise
 from abradem.learning.physical.intervals import calibrate
 from abradem.learning.physical.models import (
@@ -78,7 +80,7 @@ def test_every_model_learns_a_smooth_law(given):
 
 def test_no_model_sees_the_test_rows(given):
     # If a test row were used, changing its target would change its prediction.
-    _, test = next(repeated_splits(given.table.keys, 0.2, 1, 1))
+    _, test = next(repeated_splits(given.table.keys, given.table.groups, 0.2, 1, 1))
     spoiled = given.log_number.copy()
     spoiled[test] += 5.0
     models = makers(1, **HASTY)
@@ -153,6 +155,30 @@ def test_the_noise_floor_is_what_a_perfect_model_scores():
     assert low < summary["r2_floor"] < high
     assert low < r2(noisy, true) < high
     assert summary["r2_floor_of_stated_errors"] < low
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.8])
+def test_the_band_of_the_ratio_holds_its_mean_whether_it_varies_or_not(spread):
+    # Ten cases of nine simulations; the true ratios are log-normal with mean 1.
+    rng = np.random.default_rng(2)
+    hits = {"scatter": 0, "same ratio": 0}
+    for _ in range(1000):
+        true = np.exp(spread * rng.standard_normal(10) - 0.5 * spread**2)
+        found = true * rng.chisquare(8, 10) / 8
+        mean, (low, high) = noise.mean_ratio(found, np.full(10, 8), 0.95)
+        assert low < mean < high
+        hits["scatter"] += low <= 1.0 <= high
+        hits["same ratio"] += (
+            80 / stats.chi2.ppf(0.975, 80) <= 1.0 / mean <= 80 / stats.chi2.ppf(0.025, 80)
+        )
+    assert hits["scatter"] >= (920 if spread == 0.0 else 850)
+    # A band for the same ratio in all cases does not hold one that varies.
+    assert (hits["same ratio"] > 900) == (spread == 0.0)
+
+
+def test_a_single_case_has_no_band():
+    mean, band = noise.mean_ratio(np.array([1.5]), np.array([8]), 0.95)
+    assert mean == 1.5 and np.isnan(band).all()
 
 
 def test_the_noise_floor_is_that_of_the_target():
@@ -300,7 +326,10 @@ def test_rows_beyond_a_bound_are_not_trained_on(given):
 
 def test_the_findings_repeat_the_numbers(given):
     models = makers(1, **HASTY)
-    _, exponents, summary, (description, arrays) = fit_physical(given, models, repeats=2)
+    results, exponents, summary, (description, arrays) = fit_physical(given, models, repeats=2)
+    predictions = with_scale(results.predictions, law(), JET)
+    scores = join_tables([results.scores, number_scores(predictions, "t")])
+    comparison = compare(scores, predictions, draws=100)
     assert description["kind"] == "gaussian_process" and "rows" in arrays
     assert {"quantity", "group"} == set(exponents["kind"])
     _, intervals = calibrate(given, 3)
@@ -316,12 +345,16 @@ def test_the_findings_repeat_the_numbers(given):
     text = dict(
         findings(
             summary, intervals, {"scores": summary["scores"][PROCESS]}, verdict(indices),
-            curve, extrapolate(given, models), indices, falls, floor, speed,
+            curve, extrapolate(given, models), indices, falls, comparison, floor,
+            speed,
         )
     )  # fmt: skip
     best = summary["scores"][PROCESS]["test"]["R2"]["median"]
     assert f"Gaussian process {best:.4f}" in text["Comparison"]
     assert f"is {0.999 - best:.4f} below this limit" in text["Comparison"]
+    number = comparison.set_index("model").loc[PROCESS].iloc[0]["r2_number"]
+    assert "the part that they learn: power law" in text["Comparison"]
+    assert f"Gaussian process {number:.4f} (" in text["Comparison"]
     assert "20 thousand times faster" in text["Speed"]
     assert summary["equation"] in text["Power law"]
     assert "Archard wear constant (" in text["Sensitivity"]
@@ -346,7 +379,7 @@ def test_half_of_the_studys_table_is_predicted_in_cross_validation():
     found = []
     for seed in range(10):
         predicted = np.empty(len(given.log_number))
-        for train, test in folds(len(predicted), 5, seed):
+        for train, test in folds(given.table.groups, 5, seed):
             model = makers(1)[PROCESS]().fit(
                 given.groups[train], given.log_number[train], given.error[train]
             )

@@ -11,8 +11,12 @@
     and scalers fitted on the fitting rows only; the fitness is R2 on the validation rows. The
     network found is trained again on all training rows, and this single network is scored on the
     test rows. Further trainings of the same architecture from other initial weights show how much
-    of a score is chance. With more than one search, each inside the training rows of another
-    split, the evaluation is nested.
+    of a score is chance.
+
+    Networks are scored on the repeated splits of all models. Each split chooses its features, fits
+    its scalers and trains its weights on its own training rows. The first ``searches`` splits
+    also have a search of their own and are nested. On the others the architecture is the one found
+    in the first split, whose rows for fitting and validation may be test rows there.
 
 The paper's own network, 449-24-500-385, is trained in the same way without a search.
 """
@@ -39,7 +43,8 @@ from abradem.learning.protocols import (
     AS_PUBLISHED,
     LEAKAGE_FREE,
     PUBLISHED_NETWORK_SHARE,
-    held_out,
+    VALIDATION,
+    divide,
     published_split,
     repeated_splits,
 )
@@ -137,9 +142,8 @@ def leakage_free_split(
         Penalties for the choice of features, see `abradem.learning.baselines.selection`.
     """
     x, y = table.features, table.target
-    shuffled = np.random.default_rng(seed).permutation(train)
-    checked = held_out(len(train), validation_share)
-    fit, look = np.sort(shuffled[checked:]), np.sort(shuffled[:checked])
+    kept, checked = divide(table.groups[train], validation_share, np.random.default_rng(seed))
+    fit, look = train[kept], train[checked]
     columns, _ = select(x[fit], y[fit], count, lasso_alpha, ridge_alpha)
     return Split(
         fit,
@@ -184,6 +188,7 @@ def fit_networks(
     validation_share: float = 0.25,
     retrainings: int = 10,
     searches: int = 1,
+    repeats: int = 20,
     test_share: float = 0.2,
     confidence: float = 0.95,
     seed: int = 0,
@@ -212,8 +217,9 @@ def fit_networks(
     retrainings : int
         Number of final trainings from different initial weights.
     searches : int
-        Number of searches (leakage-free), each inside another of the repeated splits.
-    test_share, confidence, seed
+        Number of searches (leakage-free), each inside another of the repeated splits; at most
+        ``repeats``.
+    repeats, test_share, confidence, seed
         Of the repeated splits.
     cores : int
         Networks trained at the same time; the result does not depend on it.
@@ -231,16 +237,18 @@ def fit_networks(
     """
     results = Results(table)
     if protocol == AS_PUBLISHED:
-        splits = [published_network_split(table)]
+        splits, searches = [published_network_split(table)], 1
     else:
         choice = validation_share, features
         penalties = lasso_alpha, ridge_alpha
         splits = [
-            leakage_free_split(table, *rows, *choice, [seed, repeat, 1], *penalties)
-            for repeat, rows in enumerate(repeated_splits(table.keys, test_share, searches, seed))
+            leakage_free_split(table, *rows, *choice, [seed, repeat, VALIDATION], *penalties)
+            for repeat, rows in enumerate(
+                repeated_splits(table.keys, table.groups, test_share, repeats, seed)
+            )
         ]
     histories, found, counted = [], [], []
-    for repeat, split in enumerate(splits):
+    for repeat, split in enumerate(splits[:searches]):
         problem = _problem(table, split)
         ours = _seed(seed, repeat)
         memory = Memory(
@@ -249,7 +257,7 @@ def fit_networks(
         )
         search = genetic.search(
             problem, options, training, ours, cores, device, memory,
-            progress and _numbered(progress, repeat, len(splits)),
+            progress and _numbered(progress, repeat, searches),
         )  # fmt: skip
         histories.append(search.history.assign(protocol=protocol, repeat=repeat))
         found.append((split, search))
@@ -260,6 +268,11 @@ def fit_networks(
         if repeat == 0:
             looks = _looks(table, split, NETWORK, _seeds(ours, retrainings), *again)
             _score(results, PAPER_NET, protocol, 0, split, looks, None)
+    fixed = [
+        *((MODEL, repeat, found[0][1].best.layers) for repeat in range(searches, len(splits))),
+        *((PAPER_NET, repeat, NETWORK) for repeat in range(1, len(splits))),
+    ]
+    _score_fixed(results, splits, fixed, seed, final, cores, device)
     if folder:
         shutil.rmtree(folder, ignore_errors=True)
     split, search = found[0]
@@ -285,6 +298,7 @@ def fit_networks(
             "train": len(split.train),
             "test": len(split.test),
         },
+        "splits": len(splits),
         "searches": [
             {"architecture": list(one.best.layers), "best_fitness": _stated(one.fitness)}
             for _, one in found
@@ -308,7 +322,7 @@ def fit_networks(
 
 
 _FITNESS = {
-    AS_PUBLISHED: "R2 on the test rows (as published, optimistic)",
+    AS_PUBLISHED: "R2 on the test rows (as published)",
     LEAKAGE_FREE: "R2 on validation rows inside the training rows",
 }
 
@@ -340,6 +354,30 @@ def _looks(table: Table, split: Split, layers: Layers, seeds, training, cores, d
     y = of_y.forward(table.target[split.train])
     networks = genetic.train_again(layers, seeds, x, y, training, cores, device)
     return [(network, split.final_scalers) for network in networks]
+
+
+def _score_fixed(
+    results: Results,
+    splits: list[Split],
+    networks: list[tuple[str, int, Layers]],
+    seed: int,
+    *training,
+) -> None:
+    """Train and score networks of a given architecture, (model, number of the split, layers)."""
+    table, lessons = results.table, []
+    for _, repeat, _ in networks:
+        split = splits[repeat]
+        (of_x, of_y) = split.final_scalers
+        x = of_x.forward(table.features[np.ix_(split.train, split.columns)])
+        y = of_y.forward(table.target[split.train])
+        lessons.append(genetic.Lesson(_seed(seed, repeat), x, y))
+    layers = [one for *_, one in networks]
+    for (model, repeat, _), network in zip(
+        networks, genetic.train_each(layers, lessons, *training), strict=True
+    ):
+        split = splits[repeat]
+        looks = [(network, split.final_scalers)]
+        _score(results, model, LEAKAGE_FREE, repeat, split, looks, None)
 
 
 def _predict(table: Table, split: Split, look, rows: np.ndarray) -> np.ndarray:

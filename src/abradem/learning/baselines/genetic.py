@@ -319,6 +319,49 @@ def train_again(
         return [network for _, network in trainer.fitnesses(chromosomes, nothing, True)]
 
 
+class Lesson(NamedTuple):
+    """Seed and rows of one training, see `train_each`: features (n, f) and target (n,)."""
+
+    seed: int
+    x: np.ndarray
+    y: np.ndarray
+
+
+def train_each(
+    layers: Sequence[Layers],
+    lessons: Sequence[Lesson],
+    training: Training,
+    cores: int = 1,
+    device: str = "cpu",
+) -> list[Network]:
+    """Train networks on rows of their own, such as those of different splits.
+
+    Parameters
+    ----------
+    layers : sequence of tuple of int
+        Architecture of each network.
+    lessons : sequence of Lesson
+        Seed and rows of each network.
+    training, cores, device
+        As for `search`.
+
+    Returns
+    -------
+    list of Network
+        In the order of the lessons.
+    """
+    if not lessons:
+        return []
+    jobs = [
+        (Chromosome(tuple(one), lesson.seed), lesson, training, device)
+        for one, lesson in zip(layers, lessons, strict=True)
+    ]
+    first = SearchProblem(lessons[0].x, lessons[0].y, lessons[0].x, lessons[0].y)
+    with _trainer(first, training, min(cores, len(jobs)), device) as trainer:
+        each = trainer.pool.map if isinstance(trainer, _Pool) else map
+        return list(each(_train_lesson, jobs))
+
+
 def check_options(options: Options) -> None:
     """Raise ValueError, naming the option, if an option is invalid."""
     for name, known in (("selection", SELECTIONS), ("weights", WEIGHTS)):
@@ -524,6 +567,13 @@ def _begin(trainer: _Trainer) -> None:
 def _train_one(job):
     chromosome, heritage, weights = job
     return next(_HERE["trainer"].fitnesses([chromosome], [heritage], weights))
+
+
+def _train_lesson(job) -> Network:
+    chromosome, (_, x, y), training, device = job
+    trainer = _Trainer(SearchProblem(x, y, x, y), training, device)
+    (network,) = trainer.networks([chromosome], [None])
+    return network
 
 
 @contextlib.contextmanager

@@ -179,7 +179,7 @@ def predict_linear(fit: LeastSquares, features: np.ndarray) -> np.ndarray:
     return fit.of_target.back(fit.of_features.forward(features) @ fit.coefficients)
 
 
-def ordinary(x: np.ndarray, y: np.ndarray) -> Predict:
+def ordinary(x: np.ndarray, y: np.ndarray, _: np.ndarray) -> Predict:
     """Ordinary least squares as a model for `abradem.learning.evaluation`."""
     fit = least_squares(x, y)
     return lambda rows: predict_linear(fit, rows)

@@ -30,6 +30,7 @@ from abradem.learning.protocols import (
     published_split,
     repeated_splits,
 )
+from abradem.learning.published import SCORES, WRONG_TARGET_COMPONENTS
 from abradem.learning.rows import (
     FEWEST_ROWS,
     Scaler,
@@ -95,7 +96,8 @@ class PcaResult:
         Description and arrays of the regression.
     summary : dict
         Groups of features by component, the groups of the stiffnesses as text, and
-        ``held_fixed``, the features left out.
+        ``held_fixed``, the features left out; ``wrong_target``, R2 of the last component with the
+        numbers of components that give the printed value, and with all.
     """
 
     loadings: pd.DataFrame
@@ -146,11 +148,13 @@ def curve_of(x: np.ndarray, y: np.ndarray, rows: np.ndarray, actual: np.ndarray)
     return np.array([r2(actual, regress(x, y, count)(rows)) for count in range(1, most + 1)])
 
 
-def choose_components(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) -> int:
+def choose_components(
+    x: np.ndarray, y: np.ndarray, groups: np.ndarray, fold_count: int, seed: int
+) -> int:
     """Number of components with the best mean R2 over the folds."""
     curves = [
         curve_of(x[train], y[train], x[check], y[check])
-        for train, check in folds(len(y), fold_count, seed)
+        for train, check in folds(groups, fold_count, seed)
     ]
     shortest = max(1, min(map(len, curves)))
     if not all(map(len, curves)):
@@ -193,12 +197,12 @@ def fit_pca(
 
     counts = []
 
-    def fit_leakage_free(features, target):
-        counts.append(choose_components(features, target, fold_count, seed))
+    def fit_leakage_free(features, target, groups):
+        counts.append(choose_components(features, target, groups, fold_count, seed))
         return regress(features, target, counts[-1])
 
     evaluate_leakage_free(results, MODEL, fit_leakage_free, test_share, repeats, seed)
-    count = choose_components(x, y, fold_count, seed)
+    count = choose_components(x, y, table.groups, fold_count, seed)
     loadings = pd.concat(
         [
             _loadings(AS_PUBLISHED, published, scaled[0], names),
@@ -223,8 +227,20 @@ def fit_pca(
             "held_fixed": of_kind(FEATURE_NAMES, table.variation, HELD_FIXED),
             "components": count,
             "components_of_the_splits": counts,
+            "wrong_target": _wrong_target(curve[1]),
         },
     )
+
+
+def _wrong_target(curve: pd.DataFrame) -> dict:
+    """R2 of the wrong target where the paper's value belongs and with most components."""
+    known = curve.set_index("components")["r2"]
+    wanted = [count for count in WRONG_TARGET_COMPONENTS if count in known.index]
+    return {
+        "printed": SCORES[WRONG][0],
+        "r2": [{"components": count, "r2": known[count]} for count in wanted],
+        "all_components": {"components": len(known), "r2": known.iloc[-1] if len(known) else None},
+    }
 
 
 def groups_of(loadings: pd.DataFrame) -> dict[str, list[str]]:
@@ -290,7 +306,7 @@ def _leakage_free_curve(
     x, y = table.features, table.target
     curves = [
         curve_of(x[train], y[train], x[test], y[test])
-        for train, test in repeated_splits(table.keys, test_share, repeats, seed)
+        for train, test in repeated_splits(table.keys, table.groups, test_share, repeats, seed)
     ]
     # The rows of a split may leave fewer components than those of another.
     shortest = min(map(len, curves))

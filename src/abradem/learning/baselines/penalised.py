@@ -111,7 +111,7 @@ def weights(model: str, x: np.ndarray, y: np.ndarray, alphas: np.ndarray) -> np.
 def penalised(model: str, alpha: float, found: list) -> Fit:
     """Model with a given penalty in standardised variables; appends its weights to ``found``."""
 
-    def fit(x: np.ndarray, y: np.ndarray):
+    def fit(x: np.ndarray, y: np.ndarray, _: np.ndarray):
         (slopes,) = weights(model, x, y, np.array([alpha]))
         found.append(slopes)
         centre, middle = x.mean(axis=0), y.mean()
@@ -121,7 +121,13 @@ def penalised(model: str, alpha: float, found: list) -> Fit:
 
 
 def choose_alpha(
-    model: str, x: np.ndarray, y: np.ndarray, points: int, fold_count: int, seed: int
+    model: str,
+    x: np.ndarray,
+    y: np.ndarray,
+    groups: np.ndarray,
+    points: int,
+    fold_count: int,
+    seed: int,
 ) -> Penalty:
     """Choose the penalty with the best mean R2 over the folds of a cross-validation.
 
@@ -132,6 +138,8 @@ def choose_alpha(
         Raw features.
     y : ndarray, shape (n,)
         Raw target.
+    groups : ndarray of int, shape (n,)
+        Groups of rows that no fold divides.
     points : int
         Number of penalties tried.
     fold_count : int
@@ -139,7 +147,7 @@ def choose_alpha(
     """
     alphas = np.geomspace(*ALPHAS[model], points)
     scores = []
-    for train, check in folds(len(y), fold_count, seed):
+    for train, check in folds(groups, fold_count, seed):
         of_x, of_y = standard_scaler(x[train]), standard_scaler(y[train])
         found = weights(model, of_x.forward(x[train]), of_y.forward(y[train]), alphas)
         predicted = of_y.back(of_x.forward(x[check]) @ found.T)
@@ -193,17 +201,19 @@ def fit_penalised(
         evaluate_as_published(results, model, with_scalers(fit, of_all))
 
         def fit_leakage_free(
-            features, target, model=model, chosen=chosen, leakage_free=leakage_free
+            features, target, groups, model=model, chosen=chosen, leakage_free=leakage_free
         ):
-            penalty = choose_alpha(model, features, target, path_points, fold_count, seed)
+            penalty = choose_alpha(model, features, target, groups, path_points, fold_count, seed)
             chosen.append(penalty.alpha)
-            return with_scalers(penalised(model, penalty.alpha, leakage_free))(features, target)
+            return with_scalers(penalised(model, penalty.alpha, leakage_free))(
+                features, target, groups
+            )
 
         evaluate_leakage_free(results, model, fit_leakage_free, test_share, repeats, seed)
         rows += _weight_rows(model, AS_PUBLISHED, np.array(as_published), table.variation)
         rows += _weight_rows(model, LEAKAGE_FREE, np.array(leakage_free), table.variation)
 
-        penalty = choose_alpha(model, x, y, path_points, fold_count, seed)
+        penalty = choose_alpha(model, x, y, table.groups, path_points, fold_count, seed)
         path = weights(model, z, v, penalty.alphas)
         paths.append(_path_rows(model, penalty.alphas, path, table.varied))
         validation.append(_validation_rows(model, penalty))

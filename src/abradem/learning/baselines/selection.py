@@ -134,7 +134,7 @@ def fit_selection(
     summary[AS_PUBLISHED] = _agreement(columns)
 
     hits, of_splits = np.zeros(len(FEATURE_NAMES)), []
-    for train, _ in repeated_splits(table.keys, test_share, repeats, seed):
+    for train, _ in repeated_splits(table.keys, table.groups, test_share, repeats, seed):
         columns, chosen = select(table.features[train], table.target[train], count, *penalties)
         hits[columns] += 1.0
         of_splits.append((columns, chosen))

@@ -82,7 +82,9 @@ def grow(x: np.ndarray, y: np.ndarray, depth: int | None = None, penalty: float 
     ).fit(x, y)
 
 
-def choose_penalty(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) -> float:
+def choose_penalty(
+    x: np.ndarray, y: np.ndarray, groups: np.ndarray, fold_count: int, seed: int
+) -> float:
     """Complexity penalty with the best mean R2 over the folds."""
     path = grow(x, y).cost_complexity_pruning_path(x, y).ccp_alphas
     # The tree is the same between two penalties of the sequence, so try their geometric means.
@@ -94,7 +96,7 @@ def choose_penalty(x: np.ndarray, y: np.ndarray, fold_count: int, seed: int) -> 
     candidates = sequence[-places[::-1]]
     scores = [
         [r2(y[check], grow(x[train], y[train], None, c).predict(x[check])) for c in candidates]
-        for train, check in folds(len(y), fold_count, seed)
+        for train, check in folds(groups, fold_count, seed)
     ]
     means = np.nan_to_num(mean_columns(np.array(scores)), nan=-np.inf)
     # Of equally good penalties take the one with the simplest tree.
@@ -135,23 +137,23 @@ def fit_trees(
     tests = published[published["split"] == "test"]
     # R2 is nan for a constant test target.
     best = 1 if tests["r2"].isna().all() else int(tests.loc[tests["r2"].idxmax(), "depth"])
-    evaluate_as_published(results, TREE, lambda a, b: grow(a, b, best).predict)
+    evaluate_as_published(results, TREE, lambda a, b, _: grow(a, b, best).predict)
 
     penalties = []
 
-    def pruned(features, target):
-        penalties.append(choose_penalty(features, target, fold_count, seed))
+    def pruned(features, target, groups):
+        penalties.append(choose_penalty(features, target, groups, fold_count, seed))
         return grow(features, target, None, penalties[-1]).predict
 
     splits: dict[str, Any] = {"test_share": test_share, "repeats": repeats, "seed": seed}
     evaluate_leakage_free(results, TREE, with_scalers(pruned), **splits)
     evaluate_leakage_free(
-        results, FOREST, with_scalers(lambda a, b: _forest(a, b, forest_trees).predict), **splits
+        results, FOREST, with_scalers(lambda a, b, _: _forest(a, b, forest_trees).predict), **splits
     )
 
     scalers = scalers_of_all_rows(table)
     z, v = scalers[0].forward(x), scalers[1].forward(y)
-    penalty = choose_penalty(z, v, fold_count, seed)
+    penalty = choose_penalty(z, v, table.groups, fold_count, seed)
     tree, forest = grow(z, v, None, penalty), _forest(z, v, forest_trees)
     arrays = {TREE: tree_arrays([tree]), FOREST: tree_arrays(forest.estimators_)}
     more: dict[str, dict[str, Any]] = {
@@ -235,7 +237,7 @@ def _leakage_free_depths(table, max_depth, test_share, repeats, confidence, seed
                 table.features, table.target, train, test, max_depth,
                 lambda rows: standard_scaler(rows).forward,
             )
-            for train, test in repeated_splits(table.keys, test_share, repeats, seed)
+            for train, test in repeated_splits(table.keys, table.groups, test_share, repeats, seed)
         ]
     )  # fmt: skip
     ends = central_columns(found.reshape(len(found), -1), confidence)

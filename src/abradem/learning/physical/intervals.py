@@ -57,7 +57,7 @@ def held_out_scores(
     """
     make = makers(seed)[PROCESS]
     scores = np.empty(len(rows))
-    for train, test in folds(len(rows), fold_count, seed):
+    for train, test in folds(given.table.groups[rows], fold_count, seed):
         process = fitted(make, given, rows[train])
         scores[test] = _scores(process, given, rows[test])[0]
     return np.sort(scores)
@@ -93,7 +93,7 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[p
     """
     make = makers(seed)[PROCESS]
     n = len(given.log_number)
-    splits = list(folds(n, fold_count, seed))
+    splits = folds(given.table.groups, fold_count, seed)
     highest = highest_level(min(len(train) for train, _ in splits))
     levels = [level for level in LEVELS if level <= highest]
     score, deviation = np.empty(n), np.empty(n)

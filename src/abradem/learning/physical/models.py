@@ -14,6 +14,7 @@ from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.power_law import SHARES, PowerLaw
 from abradem.learning.physical.problem import WearProblem, problem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
+from abradem.learning.repeated_rows import repeats_among
 from abradem.learning.scores import central, middle_of, r2, scores_of
 from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, WEAR_COLUMNS
 from abradem.surrogate.groups import GROUP_NAMES, Jet
@@ -63,7 +64,7 @@ def evaluate(
         See `abradem.learning.protocols.repeated_splits`.
     """
     results = Results(given.table)
-    splits = list(repeated_splits(given.table.keys, test_share, repeats, seed))
+    splits = list(repeated_splits(given.table.keys, given.table.groups, test_share, repeats, seed))
     for name, make in models.items():
         for repeat, (train, test) in enumerate(splits):
             model = fitted(make, given, train)
@@ -102,11 +103,13 @@ def fit_physical(
     exponents : pandas.DataFrame
         See `PowerLaw.exponents`.
     summary : dict
-        ``equation``, ``equation_tex`` and ``scatter`` of the power law, and the ``exponents`` of
-        the quantities; ``held_fixed`` and ``not_identified``, the sampled quantities on which the
-        rows say nothing alone; ``lengths`` of the process (in standard deviations of each group),
-        its ``noise``, and ``outliers``, the cases with a weight below 0.5; ``raised``, see
-        `WearProblem`; ``scores`` of each model.
+        ``rows``, their number; ``repeated``, those that repeat others, see
+        `abradem.learning.repeated_rows.repeats_among`; ``equation``, ``equation_tex`` and
+        ``scatter`` of the power law, and the ``exponents`` of the quantities; ``held_fixed`` and
+        ``not_identified``, the sampled quantities on which the rows say nothing alone;
+        ``lengths`` of the process (in standard deviations of each group), its ``noise``, and
+        ``outliers``, the cases with a weight below 0.5; ``raised``, see `WearProblem`;
+        ``scores`` of each model.
     process : tuple of dict
         Description and arrays of the Gaussian process.
     """
@@ -119,6 +122,8 @@ def fit_physical(
     # If the process was fitted to a subset, its weights do not match the rows.
     doubted = process.weights < 0.5 if len(process.weights) == len(everything) else []
     summary = {
+        "rows": len(everything),
+        "repeated": repeats_among(given.table.groups, given.table.keys),
         "equation": law.equation(),
         "equation_tex": law.equation_tex(),
         "scatter": law.scatter,
@@ -194,7 +199,9 @@ def all_targets(
         y = given.table.target
         for name, make in models.items():
             raw, logarithmic = [], []
-            for train, test in repeated_splits(given.table.keys, test_share, repeats, seed):
+            for train, test in repeated_splits(
+                given.table.keys, given.table.groups, test_share, repeats, seed
+            ):
                 predicted = fitted(make, given, train).predict(given.groups[test])
                 raw.append(r2(y[test], given.wear(test, predicted)))
                 logarithmic.append(

@@ -8,9 +8,9 @@ perfect model, which predicts the expectation, would have an R2 below 1 on simul
 Two estimates of the noise are compared. Every case has a standard error of its own. In addition,
 some cases are simulated again with other seeds. The ratio of the variance over seeds to the mean
 square of these standard errors is 1 if the standard errors are correct. The noise variance of all
-cases is multiplied by this ratio. With d degrees of freedom (cases times replicates), the
-confidence band of the ratio is [d / chi2_d(0.975), d / chi2_d(0.025)] times the ratio; more
-replicates give a narrower band.
+cases is multiplied by this ratio. The ratio may differ from
+case to case, so its band comes from the scatter of the cases (`mean_ratio`); more cases give a
+narrower band, and more replicates of the same cases only up to their own scatter.
 
 Only cases with large particles are replicated, evenly over their radii, because a case with small
 particles has many of them and takes minutes. The wear of small particles is less noisy, and for
@@ -62,15 +62,15 @@ def noise_floor(
     """
     own = dataset[["case_id", target, stderr_column(target)]]
     both = pd.concat([replicates, own[own["case_id"].isin(replicates["case_id"])]])
-    rows, weighted, freedom = [], 0.0, 0
+    rows, ratios, freedoms = [], [], []
     for case, group in both.groupby("case_id", sort=True):
         rate, error = group[target], group[stderr_column(target)]
         stated = float(np.mean(error**2))
         if len(group) < 2 or not stated > 0.0:
             continue
         variance = float(rate.var(ddof=1))
-        weighted += (len(group) - 1) * variance / stated
-        freedom += len(group) - 1
+        ratios.append(variance / stated)
+        freedoms.append(len(group) - 1)
         mean = float(rate.mean())
         rows.append((case, len(group), np.sqrt(variance) / mean, np.sqrt(stated) / mean))
     per_case = pd.DataFrame(
@@ -83,13 +83,8 @@ def noise_floor(
     relative = error[positive] / y[positive]
     share = _unexplained(error, y)
     log_share = _unexplained(relative, np.log(y)) if positive.all() else np.nan
-    ratio = weighted / freedom if freedom else np.nan
-    tail = 0.5 * (1.0 - confidence)
-    band = (
-        [float(ratio * freedom / stats.chi2.ppf(p, freedom)) for p in (1.0 - tail, tail)]
-        if freedom
-        else [np.nan, np.nan]
-    )
+    freedom = sum(freedoms)
+    ratio, band = mean_ratio(np.array(ratios), np.array(freedoms), confidence)
     return per_case, {
         "target": target,
         "cases": len(per_case),
@@ -97,13 +92,52 @@ def noise_floor(
         "degrees_of_freedom": freedom,
         "confidence": confidence,
         "ratio": ratio,
-        "ratio_band": band,
+        "ratio_band": list(band),
         "r2_floor_of_stated_errors": 1.0 - share,
         "r2_floor": 1.0 - ratio * share,
         "r2_floor_band": [1.0 - band[1] * share, 1.0 - band[0] * share],
         "r2_log_floor": 1.0 - ratio * log_share,
         "median_relative_stderr": float(np.median(relative)) if positive.any() else np.nan,
     }
+
+
+def mean_ratio(
+    ratios: np.ndarray, freedoms: np.ndarray, confidence: float
+) -> tuple[float, tuple[float, float]]:
+    """Mean ratio of the cases, weighted by their degrees of freedom, and its band.
+
+    The true ratio may differ from case to case. So the standard error s of the mean m comes from
+    the scatter of the cases (a ratio estimate, Cochran 1977, Sampling Techniques, 6.4), which holds
+    the chance of the replicates as well, and the band is m exp(+- t s / m) with Student's t of as
+    many degrees of freedom as there are cases, less one.
+
+    Parameters
+    ----------
+    ratios : ndarray, shape (k,)
+    freedoms : ndarray of int, shape (k,)
+    confidence : float
+
+    Returns
+    -------
+    mean : float
+        nan without cases.
+    band : tuple of float
+        nan for fewer than two cases.
+    """
+    if not len(ratios):
+        return np.nan, (np.nan, np.nan)
+    mean = float(np.average(ratios, weights=freedoms))
+    count = len(ratios)
+    if count < 2 or not mean > 0.0:
+        return mean, (np.nan, np.nan)
+    away = freedoms * (ratios - mean) / np.sum(freedoms)
+    relative = np.sqrt(count / (count - 1) * np.sum(away**2)) / mean
+    reach = float(stats.t.ppf(0.5 + 0.5 * confidence, count - 1) * relative)
+    return mean, (mean * float(np.exp(-reach)), mean * float(np.exp(min(reach, LARGEST))))
+
+
+LARGEST = 700.0
+"""Largest logarithm of the width of a band."""
 
 
 def _unexplained(noise: np.ndarray, values: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from abradem.dataset.variation import HELD_FIXED, of_kind
 from abradem.learning.physical.intervals import held_out_scores
 from abradem.learning.physical.models import PROCESS, fitted
 from abradem.learning.physical.problem import WearProblem
-from abradem.learning.protocols import folds, repeated_splits
+from abradem.learning.protocols import CURVE, folds, repeated_splits
 from abradem.learning.scores import central, r2, score
 from abradem.quantities import SAMPLED_NAMES
 from abradem.surrogate.model import conformal_quantile, highest_level
@@ -81,13 +81,13 @@ def learning_curve(
         r2_lower, r2_upper.
     """
     y = given.table.target
-    splits = list(repeated_splits(given.table.keys, test_share, repeats, seed))
+    splits = list(repeated_splits(given.table.keys, given.table.groups, test_share, repeats, seed))
     rows = []
     for name, make in models.items():
         for size in sizes(len(splits[0][0])):
             found = []
             for repeat, (train, test) in enumerate(splits):
-                kept = np.random.default_rng([seed, repeat, 1]).permutation(train)[:size]
+                kept = np.random.default_rng([seed, repeat, CURVE]).permutation(train)[:size]
                 model = fitted(make, given, np.sort(kept))
                 found.append(r2(y[test], given.wear(test, model.predict(given.groups[test]))))
             rows.append((name, size, *central(found, confidence)))
@@ -156,6 +156,6 @@ def _cross_validated(
     """Predicted wear of some rows by cross-validation over all rows."""
     n = len(given.log_number)
     predicted = np.empty(n)
-    for train, test in folds(n, 5, seed):
+    for train, test in folds(given.table.groups, 5, seed):
         predicted[test] = fitted(make, given, train).predict(given.groups[test])
     return given.wear(wanted, predicted[wanted])

@@ -30,7 +30,7 @@ from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED, held_f
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import LARGEST_LOG, WearProblem
-from abradem.learning.protocols import repeated_splits
+from abradem.learning.protocols import SHUFFLES, repeated_splits
 from abradem.learning.rows import HUGE
 from abradem.learning.scores import mean_columns, r2
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
@@ -171,12 +171,12 @@ def permutation(
     says = given.variation
     falls = np.zeros((repeats, len(SAMPLED_NAMES)))
     falls[:, says == HELD_FIXED] = np.nan
-    splits = repeated_splits(given.table.keys, test_share, repeats, seed)
+    splits = repeated_splits(given.table.keys, given.table.groups, test_share, repeats, seed)
     for repeat, (train, test) in enumerate(splits):
         process = fitted(make, given, train)
         y, inputs = given.table.target[test], given.inputs[test]
         whole = r2(y, predicted_wear(process, given, inputs))
-        rng = np.random.default_rng([seed, repeat])
+        rng = np.random.default_rng([seed, repeat, SHUFFLES])
         for column in range(len(SAMPLED_NAMES)):
             # Every quantity takes its draws, so that those of the others do not depend on it.
             for _ in range(PERMUTATIONS):
