@@ -237,8 +237,8 @@ def compare(
         rows.append(one)
         if RETRAINED in several:
             rows.append(several[RETRAINED])
-    ends = [name + end for name in METRIC_COLUMNS.values() for end in ("", "_lower", "_upper")]
-    return pd.DataFrame(rows, columns=["model", "protocol", "basis", "repeats", *ends])
+    names = [name + end for name in METRIC_COLUMNS.values() for end in ("", "_lower", "_upper")]
+    return pd.DataFrame(rows, columns=["model", "protocol", "basis", "repeats", *names])
 
 
 def _with_ends(metric: str, value: float, lower: float, upper: float) -> dict[str, float]:
