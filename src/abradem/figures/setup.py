@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import ConnectionPatch
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from abradem.dem.model import Setup
@@ -27,7 +28,7 @@ _DISTANCE = 5.0
 
 _MARGIN = 1.12
 _PICTURE = (0.0, 0.07, 0.60, 0.93)
-_MAP = (0.665, 0.28, 0.225, 0.225 * style.PAGE / HEIGHT)
+_MAP = (0.69, 0.28, 0.205, 0.205 * style.PAGE / HEIGHT)
 
 
 def draw(
@@ -101,6 +102,9 @@ def setup_figure(
             0.01, 0.985, f"{style.letter(0)} set-up at {time:.3g} s", transform=scene.transAxes,
             va="top", fontsize=8.0,
         )  # fmt: skip
+        for text in scene.texts:
+            # Particles of a crowded jet lie behind the labels.
+            text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
         scene.plot(*camera.project(plate.point(0.93, 0.0)).T, "o", ms=2.5, color=style.GREY)
         figure.add_artist(
             ConnectionPatch(
