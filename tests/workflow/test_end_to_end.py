@@ -504,6 +504,7 @@ def test_an_export_holds_snapshots_of_its_case_and_reruns_no_simulation(project)
 def external_overlay(project, **values):
     path = project.root / "studies" / "elsewhere.yaml"
     learning = yaml.safe_load((project.root / SMOKE).read_text())["learning"]
+    learning["target"] = "wear_total_mean"
     path.write_text(yaml.safe_dump({"study": "elsewhere", "dataset": values, "learning": learning}))
     return ("studies/elsewhere.yaml",)
 

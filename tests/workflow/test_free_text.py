@@ -36,6 +36,7 @@ def test_braces_in_the_path_and_the_columns_of_a_table_are_no_wildcards(copied, 
     overlay = {
         "study": "elsewhere",
         "dataset": {"external": name, "columns": {"plate_angle": column}},
+        "learning": {"target": "wear_total_mean"},
     }
     status, said = run_in(copied, "--dry-run", overlay=overlay)
     assert status == 0, said
