@@ -26,7 +26,7 @@ import pandas as pd
 from peers import PEERS, installed, pour, timed_run
 from speed import SCENARIOS, WIDE, machine, particle, repeated
 
-from abradem import Setup, simulate
+from abradem.dem import Setup, simulate
 from abradem.dem.state import GONE, TOUCHING
 from abradem.dem.warm import warm
 from abradem.figures import speed as figures

@@ -28,7 +28,7 @@ import pandas as pd
 from peers import MARGIN, PEERS, Peer, Pour, installed, pour, timed_run, unlike
 
 import abradem
-from abradem import Case, Setup, simulate
+from abradem.dem import Case, Setup, simulate
 from abradem.dem.warm import warm
 
 WIDE = {

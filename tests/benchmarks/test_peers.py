@@ -9,7 +9,7 @@ import peers
 import pytest
 from speed import particle
 
-from abradem import Setup, simulate
+from abradem.dem import Setup, simulate
 
 # More particles than fit at once, so that some wait.
 CROWDED = Setup(

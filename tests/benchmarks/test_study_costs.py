@@ -11,8 +11,8 @@ import pytest
 import study
 import windows
 
-from abradem import Interaction, simulate
 from abradem.config import read_config, sampled_ranges, setup_dict, to_yaml
+from abradem.dem import Interaction, simulate
 from abradem.dem.steady import batch_means
 from abradem.sampling import cost
 from abradem.sampling.draw import block_cases

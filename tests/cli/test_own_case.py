@@ -295,8 +295,8 @@ def test_all_that_is_wrong_is_told_at_once_and_nothing_is_simulated(capsys, aske
          "of another study"),
         (["--set", "mass_rate_kg_s=1, angle_acts: level"],
          "command line: simulation: "),
-        (["--set", "repeats=1"],
-         "--set repeats=1: may mean learning.repeats or learning.surrogate.repeats; "),
+        (["--set", "target=1"],
+         "--set target=1: may mean learning.target or calibration.target; "),
         (["--config", "none.yaml"], "none.yaml: there is no such file"),
     ],
 )  # fmt: skip

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abradem import simulate
-from abradem.dem import islands, synchronous
+from abradem.dem import islands, simulate, synchronous
 from abradem.dem.agenda import NEIGHBOURS, NEVER, grown_agenda, make_agenda
 from abradem.dem.bounds import (
     due_step,

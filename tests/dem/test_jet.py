@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from abradem import simulate
-from abradem.dem import samples, synchronous
+from abradem.dem import samples, simulate, synchronous
 from abradem.dem.counter_random import uniform
 from abradem.dem.energy import energy_balance, energy_present
 from abradem.dem.model import Interaction

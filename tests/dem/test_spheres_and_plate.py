@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from naive import Spheres, fused, pairs_within
 
-from abradem import simulate
-from abradem.dem import synchronous
+from abradem.dem import simulate, synchronous
 from abradem.dem.model import Interaction, Setup
 from abradem.dem.neighbours import rebuild_pairs
 from abradem.dem.state import DONE, FLYING, SKIN, make_problem, make_state

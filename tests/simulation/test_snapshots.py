@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from abradem import Case, Setup, simulate
+from abradem.dem import Case, Setup, simulate
 from abradem.simulation.snapshots import PLATE, write_snapshots
 from abradem.store.tables import read_units
 

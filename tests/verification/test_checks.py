@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from abradem.config.declaration import Simulation
+from abradem.dem.model import Setup
 from abradem.quantities import WEAR_MEASURES
 from abradem.store.tables import read_table, read_units
 from abradem.verification import codes, laws, time_step
@@ -66,8 +67,9 @@ def test_a_jet_gives_the_plate_the_impulse_of_another_code():
     assert normal == pytest.approx(kratos["normal_impulse"], rel=codes.ALLOWED)
 
 
-def test_the_verified_step_is_the_default_one():
-    assert time_step.CHOSEN == Simulation().time_step_rayleigh_fraction
+def test_the_verified_steps_are_those_of_the_engine_and_of_the_default_study():
+    fractions = {time_step.CHOSEN, time_step.PAPERS}
+    assert fractions == {Setup().time_step_fraction, Simulation().time_step_rayleigh_fraction}
     mean = pd.DataFrame(
         [
             {"speed": 3.9, "restitution": 0.5, "measure": measure, "fraction": fraction,

@@ -200,7 +200,7 @@ def test_depth_rates_of_a_straight_study_are_w_times_power_per_area():
 
 def test_the_map_of_a_steady_case_has_the_mean_of_the_slope():
     series, maps, runs, cases = straight_study()
-    facets, _ = depth_rate_maps(maps, runs, cases, SETUP, [5])
+    facets, _ = depth_rate_maps(maps, runs, cases, SETUP, [5], "total")
     rates = wr.wear_rates(series, maps, runs, cases, SETUP)
     assert facets["depth_rate"].mean() == pytest.approx(rates["wear_total_mean"][0], rel=1e-12)
     assert facets["x"].min() == pytest.approx(-75.0) and facets["z"].max() == pytest.approx(25.0)

@@ -19,6 +19,7 @@ SEARCH = {
         "plate": {"facet_size_mm": 50},
         "stop": {"window_s": 1, "max_time_s": 4, "target_stderr": 0.5},
     },
+    "wear_rate": {"element_size_mm": None},
     "calibration": {
         "table": "table.csv",
         "search": {

@@ -59,16 +59,18 @@ FIGURES = {
 }  # fmt: skip
 # The tables of scores, comparison and beside_paper follow every model.
 AFTER_SCORES = {
-    **each("scores", "figure_models", "figure_distributions", "summary", "latex"),
+    **each("scores", "figure_models", "figure_distributions", "summary", "latex", "findings"),
     **OF_COMPARISON, "table": 3,
 }  # fmt: skip
 PHYSICAL = each("fit_physical", "intervals", "surrogate", "sensitivity", "reach", "findings")
 TRAINING = {
     **each("linear", "penalised", "pca", "selection", "trees"), "ga_ann": 2, **PHYSICAL,
 }  # fmt: skip
-LEARNING = {**TRAINING, **OF_LEARNING, **each("scores", "summary", "latex"), "table": 12}
+LEARNING = {
+    **TRAINING, **OF_LEARNING, **each("scores", "exponents", "summary", "latex"), "table": 13,
+}  # fmt: skip
 AFTER_DATASET = {
-    **LEARNING, **each("figure_quality", "noise_floor", "speed_up", "all"), "table": 13,
+    **LEARNING, **each("figure_quality", "noise_floor", "speed_up", "all"), "table": 14,
 }  # fmt: skip
 AFTER_WEAR_RATES = {**each("failures", "dataset"), **AFTER_DATASET}
 AFTER_SIMULATION = {"wear_rates": BATCHES, **AFTER_WEAR_RATES, **OF_SIMULATIONS}
@@ -367,7 +369,7 @@ SOURCES = "src/abradem"
         (f"{SOURCES}/elastic.py", {**ALL_OF_SIMULATION, "figure_rules": 1}),
         (f"{SOURCES}/quantities.py", {**EVERYTHING, "rule_graph": 0}),
         # Storage, configuration and support for running.
-        ("workflow/scripts/report/table.py", {"table": 13}),
+        ("workflow/scripts/report/table.py", {"table": 14}),
         (f"{SOURCES}/store/columns.py", {}),
         (f"{SOURCES}/store/files.py", {}),
         (f"{SOURCES}/store/tables.py", {}),
@@ -456,9 +458,9 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
         }),
         ({"wear_rate": {"good_r2": 0.9}}, {"figure_quality": 1, "summary": 1, "latex": 1}),
         ({"features": {"damping_coefficient": "printed"}}, {
-            "dataset": 1, **AFTER_DATASET, "table": 12,
+            "dataset": 1, **AFTER_DATASET, "table": 13,
         }),
-        ({"simulation": {"max_failed_share": 0.5}}, {"dataset": 1, **AFTER_DATASET, "table": 12}),
+        ({"simulation": {"max_failed_share": 0.5}}, {"dataset": 1, **AFTER_DATASET, "table": 13}),
         ({"learning": {"trees": {"forest_trees": 9}}}, {
             **AFTER_SCORES, "trees": 1, **OF_TREES,
         }),
@@ -487,7 +489,7 @@ def test_one_case_per_job_is_possible(project):
 
 
 def test_an_export_holds_snapshots_of_its_case_and_reruns_no_simulation(project):
-    export = {"cases": [1], "interval_s": 0.5}
+    export = {"cases": [1], "interval_s": 0.25}
     overlays = project.overlay({"simulation": {"export": export}})
     assert project.run("snapshots", overlays=overlays) == {
         "snapshots_of_case": 1, "snapshots": 1,
