@@ -147,7 +147,7 @@ def test_a_score_below_the_axis_is_an_arrowhead_and_no_mark():
             ("pca_wrong_target", "as_published", "fixed split", 1, -4.0, np.nan, np.nan),
         ],
         columns=["model", "protocol", "basis", "repeats", "r2", "r2_lower", "r2_upper"],
-    )
+    ).assign(r2_log=0.5, r2_number=0.4)
     panel = comparison_figure(comparison, beside_paper(comparison), "t").axes[0]
     marks = [
         (line.get_marker(), float(line.get_xdata()[0]))
