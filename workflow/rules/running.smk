@@ -5,9 +5,10 @@ WORKFLOW_FILES = [
 ]
 # For Snakemake when it draws the graph. JSON is YAML, whatever the table is called.
 THE_TABLE = json.dumps(CONFIG.dataset.model_dump(mode="json"), ensure_ascii=False)
+THE_TARGET = json.dumps({"target": CONFIG.learning.target})
 GRAPH_OPTIONS = [
     *(["--configfile", file_of_workflow("config.yaml")] if IN_MODULE else []),
-    *([] if SIMULATED else ["--config", f"dataset={THE_TABLE}"]),
+    *([] if SIMULATED else ["--config", f"dataset={THE_TABLE}", f"learning={THE_TARGET}"]),
 ]
 
 
