@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from abradem.cli.arguments import InputError
-from abradem.cli.given_values import Given, value_text
-from abradem.config.materials import PARTICLE_MATERIALS
+from abradem.cli.given_values import Given, add_material_argument, say_preset, value_text
 from abradem.quantities import SAMPLED_NAMES
 from abradem.units import parse_quantity
 from abradem.words.wear import WearTarget
@@ -43,12 +42,7 @@ class OwnSetup(NamedTuple):
 
 def add_case_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments that describe a case and its set-up."""
-    parser.add_argument(
-        "--material",
-        metavar="NAME",
-        help="preset for the quantities that are not given, on a steel plate: "
-        + ", ".join(sorted(PARTICLE_MATERIALS)),
-    )
+    add_material_argument(parser)
     parser.add_argument(
         "--config",
         action="append",
@@ -182,14 +176,7 @@ def middle_of_ranges(own: OwnSetup, given: Iterable[str]) -> dict[str, float]:
 
 def say_origins(given: Given, own: OwnSetup, filled: Mapping[str, float]) -> None:
     """Print where the quantities that are not on the command line come from."""
-    presets = [
-        (value_text(name, given.values[name]), origin)
-        for name, origin in sorted(given.origins.items())
-        if origin in PARTICLE_MATERIALS
-    ]
-    if presets:
-        values = ", ".join(text for text, _ in presets)
-        print(f"from the preset {presets[0][1]}: {values}", file=sys.stderr)
+    say_preset(given)
     if filled:
         values = ", ".join(value_text(name, value) for name, value in sorted(filled.items()))
         print(f"not given, middle of the ranges of {own.origin}: {values}", file=sys.stderr)

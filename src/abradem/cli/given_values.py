@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -195,6 +197,28 @@ def _unknown(names: Sequence[str]) -> str:
     known = "" if all(hints) else f"; known are {', '.join(SAMPLED_NAMES)}"
     plural = "no such quantity" if len(names) == 1 else "no such quantities"
     return f"{', '.join(shown)}: {plural}{known}"
+
+
+def add_material_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the argument that names a preset of particles."""
+    parser.add_argument(
+        "--material",
+        metavar="NAME",
+        help="preset for the quantities that are not given, on a steel plate: "
+        + ", ".join(sorted(PARTICLE_MATERIALS)),
+    )
+
+
+def say_preset(given: Given) -> None:
+    """Print the quantities that come from a preset, if any does."""
+    presets = [
+        (value_text(name, given.values[name]), origin)
+        for name, origin in sorted(given.origins.items())
+        if origin in PARTICLE_MATERIALS
+    ]
+    if presets:
+        values = ", ".join(text for text, _ in presets)
+        print(f"from the preset {presets[0][1]}: {values}", file=sys.stderr)
 
 
 def _particle_material(text: str) -> str:

@@ -12,10 +12,11 @@ from pathlib import Path
 
 from abradem.cli.given_values import (
     Given,
+    add_material_argument,
     confidence_level,
     depth_mm,
     given_values,
-    value_text,
+    say_preset,
 )
 from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
 from abradem.learning.number_text import number_or_words
@@ -58,12 +59,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "values", nargs="*", metavar="NAME=VALUE", help="such as particle_radius=20mm"
     )
-    parser.add_argument(
-        "--material",
-        metavar="NAME",
-        help="preset for the quantities that are not given, on a steel plate: "
-        + ", ".join(sorted(PARTICLE_MATERIALS)),
-    )
+    add_material_argument(parser)
     parser.add_argument(
         "--model",
         metavar="STEM",
@@ -132,14 +128,7 @@ def _predict_case(
     rate, low, high = (float(column[0]) for column in prediction[:3])
     name, unit = (surrogate.description["target"][key] for key in ("name", "unit"))
     place = place_words(surrogate)
-    presets = sorted(
-        (value_text(quantity, given.values[quantity]), origin)
-        for quantity, origin in given.origins.items()
-        if origin in PARTICLE_MATERIALS
-    )
-    if presets:
-        values = ", ".join(text for text, _ in presets)
-        print(f"from the preset {presets[0][1]}: {values}", file=sys.stderr)
+    say_preset(given)
     print(
         f"wear depth rate {rate:.4g} {unit}, {level_text(prediction, surrogate)} interval "
         f"{low:.4g} to {number_or_words(high, '.4g', NO_END)} {unit} ({name}: {place})"
