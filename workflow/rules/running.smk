@@ -8,7 +8,11 @@ THE_TABLE = json.dumps(CONFIG.dataset.model_dump(mode="json"), ensure_ascii=Fals
 THE_TARGET = json.dumps({"target": CONFIG.learning.target})
 GRAPH_OPTIONS = [
     *(["--configfile", file_of_workflow("config.yaml")] if IN_MODULE else []),
-    *([] if SIMULATED else ["--config", f"dataset={THE_TABLE}", f"learning={THE_TARGET}"]),
+    *(
+        []
+        if SIMULATED
+        else ["--config", f"dataset={THE_TABLE}", f"learning={THE_TARGET}"]
+    ),
 ]
 
 
