@@ -49,10 +49,14 @@ def estimate(config: Config, cores: int | None = None) -> str:
     blocks = min(sampling.blocks, -(-_LOOKED_AT // size))
     ranges, setup = sampled_ranges(config), setup_dict(config)
     looked_at = [
-        block_cases(config.seed, block, size, sampling.method, ranges) for block in range(blocks)
+        case_seconds(block_cases(config.seed, block, size, sampling.method, ranges), setup)
+        for block in range(blocks)
     ]
-    each = sum(case_seconds(cases, setup).sum() for cases in looked_at) / (blocks * size)
-    seconds = (config.cases * each + jobs * SECONDS_PER_JOB) / min(cores, jobs)
+    each = sum(spent.sum() for spent in looked_at) / (blocks * size)
+    # The most expensive batch starts first, but cores cannot share it.
+    longest = max(spent[start:stop].sum() for spent in looked_at for start, stop in config.batches)
+    shared = (config.cases * each + jobs * SECONDS_PER_JOB) / min(cores, jobs)
+    seconds = max(shared, longest + SECONDS_PER_JOB)
     return (
         f"{config.study}: {_count(config.cases, 'case')} in {_count(sampling.blocks, 'block')}, "
         f"{_count(jobs, 'simulation job')}, simulated in about {_duration(seconds)} on "
