@@ -26,7 +26,7 @@ CHANNEL = extruded([(-0.1, 0.05), (0.0, 0.0), (0.02, 0.0), (0.1, 0.07)], 0.2, ac
 @pytest.mark.parametrize(
     "checks",
     [
-        checked.plane_checks, checked.seam_checks, checked.edge_checks, checked.corner_checks,
+        checked.cut_plane_checks, checked.seam_checks, checked.edge_checks, checked.corner_checks,
         checked.arc_checks, checked.belt_checks, checked.drum_checks,
     ],
 )  # fmt: skip

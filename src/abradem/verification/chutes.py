@@ -39,7 +39,7 @@ LEAST_CORRELATION = 0.97
 _NUDGES = 1e-7 * np.arange(1, 9)
 
 
-def profile() -> np.ndarray:
+def chute_profile() -> np.ndarray:
     """Return the corners (x, y) of the chute from its upper end on, m, shape (segments + 1, 2)."""
     turn = (STEEP - FLAT) / ARC_FACETS
     facet = 2.0 * ARC_RADIUS * np.sin(np.radians(0.5 * turn))
@@ -55,7 +55,7 @@ def profile() -> np.ndarray:
 
 def chute() -> Surface:
     """Return the chute as a surface: two triangles for each segment of its profile."""
-    return extruded(profile(), WIDTH)
+    return extruded(chute_profile(), WIDTH)
 
 
 def releases() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -88,7 +88,7 @@ def impulse(velocities: np.ndarray) -> tuple[float, float]:
 
 def segment_of(x, y) -> np.ndarray:
     """Return the segment of the profile that is nearest to each point."""
-    corners = profile()
+    corners = chute_profile()
     begin, along = corners[:-1], np.diff(corners, axis=0)
     arm = np.stack([x, y], axis=-1)[..., None, :] - begin
     share = np.clip((arm * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
@@ -98,7 +98,7 @@ def segment_of(x, y) -> np.ndarray:
 
 def normals() -> np.ndarray:
     """Return the unit normals of the segments, upwards, shape (segments, 2)."""
-    along = np.diff(profile(), axis=0)
+    along = np.diff(chute_profile(), axis=0)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     return np.stack([-along[:, 1], along[:, 0]], axis=1)
 
@@ -135,7 +135,7 @@ def our_chute(code: str, variant: str, nudge: float = 0.0) -> dict[str, np.ndarr
     }
 
 
-def compare(reference: pd.DataFrame) -> pd.DataFrame:
+def compare_chutes(reference: pd.DataFrame) -> pd.DataFrame:
     """Compare the chute of other codes with this engine.
 
     Parameters
@@ -165,8 +165,8 @@ def compare(reference: pd.DataFrame) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-def checks(compared: pd.DataFrame) -> list[Check]:
-    """Return checks of impulse and profile of the chute, see `compare`."""
+def chute_checks(compared: pd.DataFrame) -> list[Check]:
+    """Return checks of impulse and profile of the chute, see `compare_chutes`."""
     found = []
     for (code, variant, quantity), part in compared.groupby(
         ["code", "variant", "quantity"], sort=False

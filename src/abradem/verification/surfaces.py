@@ -1,4 +1,4 @@
-"""Part 12: triangulated surfaces against the plate and against closed forms."""
+"""Part 12: triangulated surfaces against the plate, closed forms and other codes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pandas as pd
 from abradem.dem.surface import Surface, standing_surface
 from abradem.verification import closed_forms as exact
 from abradem.verification.checks import Check, checks_table
+from abradem.verification.chutes import chute_checks, compare_chutes
 from abradem.verification.scenes import Film, Scene, solid
 from abradem.verification.surface_scenes import arc, belt, cut_plane, drum, extruded
 
@@ -90,7 +91,7 @@ def shower(scene: Scene, angle_deg: float, count: int = 40, seed: int = 1):
     return np.zeros(count), places, velocities, rng.normal(0.0, 30.0, (count, 3))
 
 
-def plane_checks() -> list[Check]:
+def cut_plane_checks() -> list[Check]:
     """Return checks that a plane of triangles moves and wears as the plate does."""
     from abradem.dem import simulate
 
@@ -275,10 +276,22 @@ def drum_checks() -> list[Check]:
     ]  # fmt: skip
 
 
-def study() -> dict[str, pd.DataFrame]:
-    """Return the table ``checks`` of this part."""
-    checks = (
-        plane_checks() + seam_checks() + edge_checks() + corner_checks() + arc_checks()
+def motion_checks() -> list[Check]:
+    """Return all checks but those against other codes."""
+    return (
+        cut_plane_checks() + seam_checks() + edge_checks() + corner_checks() + arc_checks()
         + belt_checks() + drum_checks()
     )  # fmt: skip
-    return {"checks": checks_table(PART, checks)}
+
+
+def study(chutes: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return the tables of this part.
+
+    Parameters
+    ----------
+    chutes : pandas.DataFrame
+        The chute of other codes, see `chutes.compare_chutes`.
+    """
+    compared = compare_chutes(chutes)
+    found = motion_checks() + chute_checks(compared)
+    return {"checks": checks_table(PART, found), "chutes": compared}
