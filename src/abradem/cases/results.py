@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from abradem.dem.model import Case, Setup, SimulationResult
+from abradem.geometry.build import prepared
 from abradem.quantities import (
     SAMPLED_NAMES,
     STATISTICS,
@@ -303,6 +304,8 @@ def simulate(
     """
     from abradem.dem import simulate as run_engine
 
+    if setup is not None:
+        setup = prepared(setup, vars(case))
     lines = [impossible(name, getattr(case, name)) for name in SAMPLED_NAMES]
     if problems := [line for line in lines if line]:
         raise ValueError("\n".join(problems))
