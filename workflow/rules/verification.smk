@@ -19,6 +19,7 @@ PARTS = {
     "trends": ["checks", "measurements", "exponents"],
     "facets_and_bed": ["checks", "sizes", "heap"],
     "stop_rule": ["checks", "ended"],
+    "surfaces": ["checks"],
 }
 
 # The tables of each figure, in the order of the parameters of its drawing function.
@@ -204,6 +205,21 @@ rule verification_stop_rule:
         "../envs/abradem.yaml"
     params:
         **part("stop_rule"),
+    script:
+        "../scripts/verification/part.py"
+
+
+rule verification_surfaces:
+    """Triangulated surfaces against the plate and against closed forms."""
+    output:
+        **part_files("surfaces", "parquet"),
+        text=list(part_files("surfaces", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/surfaces.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **part("surfaces"),
     script:
         "../scripts/verification/part.py"
 
