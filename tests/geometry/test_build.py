@@ -7,7 +7,7 @@ import pytest
 
 from abradem.dem.model import Case, Setup
 from abradem.dem.surface import Feed
-from abradem.geometry.build import mesh_file, prepared, shape_of, surface_of, filled_in
+from abradem.geometry.build import filled_in, mesh_file, prepared, shape_of, surface_of
 from abradem.geometry.feed import check_jet, feed_above, height_below
 from abradem.geometry.kinds import Arc, MeshFile, Motion, Plates, Screw, geometry_of
 from abradem.geometry.mesh_files import write_stl

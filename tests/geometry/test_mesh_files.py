@@ -80,7 +80,7 @@ def message(*args, **options):
     with pytest.raises(GeometryError) as caught:
         read_mesh(*args, **options)
     text = str(caught.value)
-    assert "\n" not in text and "allowed" in text or "cannot be read" in text
+    assert ("\n" not in text and "allowed" in text) or "cannot be read" in text
     return text
 
 

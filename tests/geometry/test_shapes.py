@@ -11,8 +11,8 @@ from abradem.geometry.shape import (
     areas,
     degenerate,
     divided,
-    normals,
     given_twice,
+    normals,
     selected,
     welded,
 )
@@ -46,7 +46,7 @@ def test_the_next_plate_begins_where_gap_and_drop_say():
     chain = [Rectangle(0.2, 0.1, 45.0), Rectangle(0.2, 0.1, 135.0, gap=0.03, drop=0.05)]
     shape = plates(chain, 0.2)
     end = -0.1 * np.sqrt(0.5) * np.ones(2)
-    begin = end + [-0.03, -0.05]
+    begin = end + np.array([-0.03, -0.05])
     lower = shape.vertices[np.unique(shape.triangles[shape.part == 1])]
     assert np.allclose(lower[:, 1].max(), begin[1])
     assert np.allclose(lower[:, 0].min(), begin[0])
@@ -93,9 +93,7 @@ def test_division_keeps_areas_and_seams(shape, size):
     # Where neighbours share whole edges, the rim is as long as before the division.
     for one in (shape, found):
         edges, count = edges_of(one)
-        length = np.linalg.norm(
-            one.vertices[edges[:, 0]] - one.vertices[edges[:, 1]], axis=1
-        )
+        length = np.linalg.norm(one.vertices[edges[:, 0]] - one.vertices[edges[:, 1]], axis=1)
         rim = length[count == 1].sum()
         if one is shape:
             expected = rim
@@ -127,9 +125,7 @@ def test_welding_joins_the_vertices_of_triangles_with_corners_of_their_own():
     )
     found = welded(loose)
     assert len(found.vertices) == len(shape.vertices)
-    assert np.array_equal(
-        found.vertices[found.triangles], shape.vertices[shape.triangles]
-    )
+    assert np.array_equal(found.vertices[found.triangles], shape.vertices[shape.triangles])
 
 
 def test_triangles_without_area_and_given_twice_are_found():

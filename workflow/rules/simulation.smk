@@ -3,7 +3,12 @@ TYPICAL = typical_case(CONFIG)
 PICTURED = CONFIG.figures.typical
 FILM = CONFIG.figures.movie
 
-MESH = [mesh] if (mesh := mesh_file(SETUP.get("geometry"))) else []
+# A geometry may be a file of the user.
+MESH = (
+    [CONFIG.simulation.geometry.mesh.file]
+    if CONFIG.simulation.geometry.kind == "mesh"
+    else []
+)
 
 # For each scene: differences from the typical case, duration (s), time between snapshots (s).
 SCENES = {
@@ -37,7 +42,6 @@ rule simulate:
     """The simulations of one batch."""
     input:
         cases=f"{RESULTS}/cases/block-{{block}}.parquet",
-        # A geometry may be a file of the user.
         mesh=MESH,
     output:
         series=f"{RESULTS}/series/block-{{block}}-batch-{{batch}}.parquet",

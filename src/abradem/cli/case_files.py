@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from abradem.dem.model import Setup
+from abradem.geometry.build import prepared
 from abradem.quantities import WEAR_MEASURES, wear_column
 from abradem.store.columns import CELL_TABLE, COLUMNS, MAP_RATES, Column
 from abradem.store.files import write_csv, write_text
@@ -63,7 +64,6 @@ def write_surface_map(
     path : Path
         .parquet, .csv, .vtp, .png, .pdf or .svg.
     """
-    from abradem.geometry.build import prepared
     from abradem.wear.surface_cells import cell_table
 
     built = Setup.from_dict(setup)
@@ -102,7 +102,7 @@ def write_series(
         tables["series"],
         tables["runs"],
         pd.DataFrame([row]),
-        Setup.from_dict(setup),
+        prepared(Setup.from_dict(setup), row),
         [row["case_id"]],
         target.measure,
     )

@@ -38,9 +38,7 @@ def parts_page(
     return to_html(f"Wear of the parts in study {study}", paragraphs)
 
 
-def _answer(
-    parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, column: str
-) -> str:
+def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, column: str) -> str:
     """Return one sentence on the part that wears most, and what spares it."""
     if parts.empty:
         return "No case gave a wear rate."
@@ -66,9 +64,7 @@ def _part(part: str, parts: pd.DataFrame, effects: pd.DataFrame, column: str) ->
         f"Area {rows['area'].iloc[0]:.4g} m2; {rate.mean():.3g} mm/s on average, from "
         f"{rate.min():.3g} to {rate.max():.3g} mm/s."
     )
-    found = effects[
-        (effects["part_name"] == part) & (effects["rank_correlation"].abs() >= CLEAR)
-    ]
+    found = effects[(effects["part_name"] == part) & (effects["rank_correlation"].abs() >= CLEAR)]
     return " ".join([text, *(_effect_words(row) for _, row in found.iterrows())])
 
 

@@ -12,7 +12,5 @@ from abradem.wear.part_effects import part_effects
 parts, cases = read_table(snakemake.input.parts), read_table(snakemake.input.cases)
 effects = part_effects(parts, cases, snakemake.params.column)
 write_table(effects, snakemake.output.table)
-page = parts_page(
-    snakemake.params.study, parts, effects, cases, snakemake.params.column
-)
+page = parts_page(snakemake.params.study, parts, effects, cases, snakemake.params.column)
 write_text(page, snakemake.output.page)
