@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from abradem.dem.model import Case, Setup, SimulationResult
-from abradem.geometry.build import prepared
+from abradem.geometry.build import prepared, worn_area
 from abradem.quantities import (
     SAMPLED_NAMES,
     STATISTICS,
@@ -179,7 +179,7 @@ class CaseResult(SimulationResult):
         """
         import pandas as pd
 
-        per_joule = MM_PER_M * self.case.archard_constant / self.setup.plate_area
+        per_joule = MM_PER_M * self.case.archard_constant / worn_area(self.setup)
         return pd.DataFrame(
             {
                 "time": self.time,

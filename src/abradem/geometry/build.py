@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from abradem.dem.model import Setup
-from abradem.dem.surface import Surface
+from abradem.dem.surface import Surface, cell_areas
 from abradem.geometry.feed import check_jet, feed_above
 from abradem.geometry.kinds import Geometry, Motion, geometry_of
 from abradem.geometry.shape import GeometryError, Shape, divided
@@ -66,6 +66,11 @@ def shape_of(surface: Surface) -> Shape:
     return Shape(surface.vertices, surface.triangles, surface.part, surface.part_names)
 
 
+def worn_area(setup: Setup) -> float:
+    """Return the area of the plate, or of the surface in its place, m2."""
+    return setup.plate_area if setup.surface is None else float(cell_areas(setup.surface).sum())
+
+
 def check_particle(shape: Shape, radius: float) -> None:
     """Raise if a particle is wider than the geometry.
 
@@ -114,8 +119,8 @@ def prepared(setup: Setup, values: Mapping[str, float]) -> Setup:
         setup.fall_height,
         setup.patch_length,
         setup.patch_width,
-        options.get("centre"),
-        options.get("direction") or (0.0, -1.0, 0.0),
+        None if options.get("centre") is None else tuple(options["centre"]),
+        tuple(options.get("direction") or (0.0, -1.0, 0.0)),
     )
     check_jet(coarse, feed, abs(values["particle_velocity_y"]), setup.gravity)
     box = options.get("removal_box")

@@ -79,7 +79,7 @@ def feed_above(
                 f"{target[1]:g} m (allowed: a place above the geometry, factory_centre_mm)"
             )
         centre = (target[0], top + height, target[1])
-    return Feed(tuple(centre), (length, 0.0, 0.0), (0.0, 0.0, width), tuple(direction))
+    return Feed(centre, (length, 0.0, 0.0), (0.0, 0.0, width), direction)
 
 
 def check_jet(shape: Shape, feed: Feed, speed: float, gravity: float) -> None:
