@@ -283,7 +283,7 @@ FIGURES: dict[str, Entry] = {
     "surface": Entry(
         SURFACE,
         "wear of the surface",
-        "surface_cases:draw_surface",
+        "surface_map:draw_surface",
         "Wear depth rate of every cell of the surface in the window after the transient, in space, "
         "and of the parts that can be laid out flat, for the first case of "
         "``figures.series_cases``.",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import matplotlib
 import numpy as np
@@ -13,8 +13,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
+from abradem.dem.model import Setup
 from abradem.dem.surface import Surface
 from abradem.figures import style
+from abradem.geometry.build import prepared
 from abradem.geometry.unrolled import unrolled_part
 from abradem.units import MM_PER_M
 
@@ -33,6 +35,30 @@ MOST_FLAT = 4
 TOP = 0.995
 """Share of the worn area up to whose depth rate the colours go, so that one cell does not hide the
 others."""
+
+
+def draw_surface(
+    cells: pd.DataFrame, cases: pd.DataFrame, setup: Mapping, shown: int, measure: str
+) -> Figure:
+    """Draw `surface_map_figure` for a case; the first with a map if that case has none.
+
+    Parameters
+    ----------
+    cells : pandas.DataFrame
+        From `abradem.wear.surface_cells.cell_table`.
+    cases : pandas.DataFrame
+    setup : mapping
+        Plain values of the `Setup`.
+    shown : int
+        Case.
+    measure : str
+        Wear measure.
+    """
+    if not (cells["case_id"] == shown).any():
+        shown = int(cells["case_id"].iloc[0])
+    values = cases.set_index("case_id").loc[shown].to_dict()
+    surface = prepared(Setup.from_dict(setup), values).surface
+    return surface_map_figure(surface, cells[cells["case_id"] == shown], measure)
 
 
 def surface_map_figure(surface: Surface, cells: pd.DataFrame, measure: str) -> Figure:
