@@ -12,7 +12,7 @@ from abradem.geometry.feed import check_jet, feed_above, height_below
 from abradem.geometry.kinds import Arc, MeshFile, Motion, Plates, Screw, geometry_of
 from abradem.geometry.mesh_files import write_stl
 from abradem.geometry.shape import GeometryError, areas
-from abradem.geometry.shapes import Rectangle, arc, plates
+from abradem.geometry.shapes import Rectangle, arc_chute, plates
 from abradem.geometry.unrolled import unrolled_part
 
 PLATE = Plates((Rectangle(0.3, 0.2, 30.0),))
@@ -182,4 +182,4 @@ def test_plates_and_arcs_are_laid_out_with_their_areas():
 
 def test_an_arc_of_one_angle_is_refused():
     with pytest.raises(GeometryError, match=r"two angles that differ \(both are 20 deg\)"):
-        arc(0.4, 20.0, 20.0, 0.3, 0.01)
+        arc_chute(0.4, 20.0, 20.0, 0.3, 0.01)

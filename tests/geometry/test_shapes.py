@@ -16,7 +16,7 @@ from abradem.geometry.shape import (
     selected,
     welded,
 )
-from abradem.geometry.shapes import Rectangle, arc, plates
+from abradem.geometry.shapes import Rectangle, arc_chute, plates
 
 SIZES = ScrewSize(0.4, 0.075, 0.02, 0.1, 0.005, 0.1)
 
@@ -57,7 +57,7 @@ def test_the_next_plate_begins_where_gap_and_drop_say():
 
 @pytest.mark.parametrize(("begin", "end"), [(80.0, 10.0), (10.0, 80.0)])
 def test_an_arc_is_on_its_circle_and_its_area_tends_to_the_cylinder(begin, end):
-    shape = arc(0.4, begin, end, 0.3, 0.005)
+    shape = arc_chute(0.4, begin, end, 0.3, 0.005)
     turn = np.radians(70.0)
     count = len(np.unique(shape.vertices[:, :2].round(12), axis=0)) - 1
     # Chords of 2 r sin(turn / 2n).
@@ -76,7 +76,7 @@ def test_an_arc_is_on_its_circle_and_its_area_tends_to_the_cylinder(begin, end):
     "shape",
     [
         plates([Rectangle(0.3, 0.2, 20.0), Rectangle(0.2, 0.2, 140.0)], 1.0),
-        arc(0.3, 70.0, 20.0, 0.2, 1.0),
+        arc_chute(0.3, 70.0, 20.0, 0.2, 1.0),
         transfer_chute(),
     ],
     ids=["plates", "arc", "chute"],

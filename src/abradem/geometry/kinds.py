@@ -106,7 +106,7 @@ class Plates:
 
 @dataclass(frozen=True)
 class Arc:
-    """A curved chute, see `abradem.geometry.shapes.arc`; its first end is the origin.
+    """A curved chute, see `abradem.geometry.shapes.arc_chute`; its first end is the origin.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class Arc:
 
     def shape(self, size: float) -> Shape:
         """Return the triangles, with facets of at most ``size``, m."""
-        return shapes.arc(self.radius, self.begin, self.end, self.width, size)
+        return shapes.arc_chute(self.radius, self.begin, self.end, self.width, size)
 
     def motions(self) -> list[Motion]:
         """Return nothing: an arc stands still."""

@@ -81,7 +81,7 @@ def _direction(angle: float) -> np.ndarray:
     return -np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
 
-def arc(radius: float, begin: float, end: float, width: float, size: float) -> Shape:
+def arc_chute(radius: float, begin: float, end: float, width: float, size: float) -> Shape:
     """Return a curved chute: a part of a cylinder about an axis along z.
 
     Its slope is ``begin`` at its first end, which is the origin, and ``end`` at its last. It is
