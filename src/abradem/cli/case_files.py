@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from abradem.dem.model import Setup
-from abradem.geometry.build import prepared
+from abradem.geometry.build import case_surface, prepared
 from abradem.quantities import WEAR_MEASURES, wear_column
 from abradem.store.columns import CELL_TABLE, COLUMNS, MAP_RATES, Column
 from abradem.store.files import write_csv, write_text
@@ -68,7 +68,7 @@ def write_surface_map(
 
     built = Setup.from_dict(setup)
     cells = cell_table(tables["maps"], tables["runs"], pd.DataFrame([row]), built)
-    surface = prepared(built, row).surface
+    surface = case_surface(built, row)
     if path.suffix.lower() == ".vtp":
         from abradem.report.vtk import surface_vtp
 

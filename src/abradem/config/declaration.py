@@ -408,14 +408,14 @@ _Box = Annotated[
 class ArcKeys(Section):
     """A curved chute, for kind: arc. Its slope goes from one angle to the other."""
 
-    radius_mm: _LENGTH = _geometry_key(400.0, "Radius.", "mm", 0.0, _EXTENT_MM)
+    radius_mm: _LENGTH = _geometry_key(400.0, "Radius.", "mm", 0.0, _EXTENT_MM)  # type: ignore[valid-type]
     begin: _number_or_range(-90.0, 90.0) = _geometry_key(  # type: ignore[valid-type]
         80.0, "Slope at the first end, the origin.", "deg", -90.0, 90.0
     )
     end: _number_or_range(-90.0, 90.0) = _geometry_key(  # type: ignore[valid-type]
         10.0, "Slope at the last end; below begin: a spoon, above: a hump.", "deg", -90.0, 90.0
     )
-    width_mm: _LENGTH = _geometry_key(300.0, "Extent across the slope.", "mm", 0.0, _EXTENT_MM)
+    width_mm: _LENGTH = _geometry_key(300.0, "Extent across the slope.", "mm", 0.0, _EXTENT_MM)  # type: ignore[valid-type]
 
 
 class MeshKeys(Section):
@@ -439,12 +439,12 @@ class MeshKeys(Section):
 class ScrewKeys(Section):
     """A screw conveyor along x in a trough, for kind: screw. It conveys to its open end, x = 0."""
 
-    length_mm: _LENGTH = _geometry_key(400.0, "Length.", "mm", 0.0, _EXTENT_MM)
-    radius_mm: _LENGTH = _geometry_key(75.0, "Radius of the flight.", "mm", 0.0, _EXTENT_MM)
-    shaft_radius_mm: _LENGTH = _geometry_key(20.0, "Radius of the shaft.", "mm", 0.0, _EXTENT_MM)
-    pitch_mm: _LENGTH = _geometry_key(100.0, "Advance in a turn.", "mm", 0.0, _EXTENT_MM)
-    clearance_mm: _LENGTH = _geometry_key(5.0, "Between flight and trough.", "mm", 0.0, _EXTENT_MM)
-    rim_mm: _LENGTH = _geometry_key(
+    length_mm: _LENGTH = _geometry_key(400.0, "Length.", "mm", 0.0, _EXTENT_MM)  # type: ignore[valid-type]
+    radius_mm: _LENGTH = _geometry_key(75.0, "Radius of the flight.", "mm", 0.0, _EXTENT_MM)  # type: ignore[valid-type]
+    shaft_radius_mm: _LENGTH = _geometry_key(20.0, "Radius of the shaft.", "mm", 0.0, _EXTENT_MM)  # type: ignore[valid-type]
+    pitch_mm: _LENGTH = _geometry_key(100.0, "Advance in a turn.", "mm", 0.0, _EXTENT_MM)  # type: ignore[valid-type]
+    clearance_mm: _LENGTH = _geometry_key(5.0, "Between flight and trough.", "mm", 0.0, _EXTENT_MM)  # type: ignore[valid-type]
+    rim_mm: _LENGTH = _geometry_key(  # type: ignore[valid-type]
         100.0, "Height of the walls of the trough above the axis.", "mm", 0.0, _EXTENT_MM
     )
     rev_per_min: _number_or_range(-1e4, 1e4) = _geometry_key(  # type: ignore[valid-type]

@@ -16,7 +16,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from abradem.dem.model import Setup
 from abradem.dem.surface import Surface
 from abradem.figures import style
-from abradem.geometry.build import prepared
+from abradem.geometry.build import case_surface
 from abradem.geometry.unrolled import unrolled_part
 from abradem.units import MM_PER_M
 
@@ -57,7 +57,7 @@ def draw_surface(
     if not (cells["case_id"] == shown).any():
         shown = int(cells["case_id"].iloc[0])
     values = cases.set_index("case_id").loc[shown].to_dict()
-    surface = prepared(Setup.from_dict(setup), values).surface
+    surface = case_surface(Setup.from_dict(setup), values)
     return surface_map_figure(surface, cells[cells["case_id"] == shown], measure)
 
 
@@ -193,7 +193,7 @@ def _flat(
         at += size[0] + gap
         panel.add_collection(
             PolyCollection(
-                MM_PER_M * corners[..., ::-1],
+                list(MM_PER_M * corners[..., ::-1]),
                 facecolors=faces[surface.part == part],
                 edgecolors="face",
                 linewidths=0.2,

@@ -140,6 +140,20 @@ def mesh_file(given) -> str | None:
     return shape.get("file") if shape.get("kind") == "mesh" else None
 
 
+def case_surface(setup: Setup, values: Mapping[str, float]) -> Surface:
+    """Return the surface of a case whose set-up has a geometry, see `prepared`.
+
+    Raises
+    ------
+    GeometryError
+        As `prepared`, or if the set-up has a plate.
+    """
+    surface = prepared(setup, values).surface
+    if surface is None:
+        raise GeometryError("the set-up has a plate (allowed: a geometry)")
+    return surface
+
+
 TEXTS = ("kind", "file", "unit", "up", "name", "part")
 """Fields of a geometry that are words; another text is the name of a quantity of the case."""
 

@@ -9,7 +9,7 @@ import pandas as pd
 
 from abradem.dem.model import Setup
 from abradem.dem.surface import Surface
-from abradem.geometry.build import prepared, shape_of
+from abradem.geometry.build import case_surface, shape_of
 from abradem.geometry.shape import centres, normals
 from abradem.quantities import STATISTICS, WEAR_MEASURES, wear_column
 from abradem.units import MM_PER_M
@@ -47,7 +47,7 @@ def cell_table(
             key = run["case_id"]
             rows = maps[maps["case_id"] == key].sort_values("facet_x")
             values = known.loc[key].to_dict()
-            frames.append(_cells_of(rows, values, window, prepared(setup, values).surface))
+            frames.append(_cells_of(rows, values, window, case_surface(setup, values)))
     return pd.concat(frames, ignore_index=True) if frames else _no_cells()
 
 
