@@ -26,7 +26,7 @@ CHANNEL = extruded([(-0.1, 0.05), (0.0, 0.0), (0.02, 0.0), (0.1, 0.07)], 0.2, ac
 @pytest.mark.parametrize(
     "checks",
     [
-        checked.plane_checks, checked.seam_checks, checked.edge_checks, checked.corner_checks,
+        checked.cut_plane_checks, checked.seam_checks, checked.edge_checks, checked.corner_checks,
         checked.arc_checks, checked.belt_checks, checked.drum_checks,
     ],
 )  # fmt: skip
@@ -181,13 +181,13 @@ def test_a_case_on_a_surface_has_its_wear_by_cell():
     assert result.facet_wear_all.shape == (3, cells)
     assert result.cell_sums_all.shape == (len(CELL_SUMS), cells)
     np.testing.assert_allclose(result.facet_wear_all.sum(axis=1), result.worn[-1], rtol=1e-10)
-    impacts, speed, angle, normal, tangential = result.cell_sums_all
+    impacts, speed, angle, normal, tangential, impulse = result.cell_sums_all
     hit = impacts > 0
     assert impacts.sum() >= result.released - 50 and hit.sum() > 5
     fastest = np.sqrt(3.0**2 + 2 * 9.81 * 0.36)
     assert np.all(speed[hit] / impacts[hit] <= fastest)
     assert np.all((angle[hit] / impacts[hit] > 0.0) & (angle[hit] / impacts[hit] < 90.0))
-    assert np.all(normal[hit] > 0.0) and np.all(tangential[hit] > 0.0)
+    assert all(np.all(of[hit] > 0.0) for of in (normal, tangential, impulse))
     assert np.all(impacts[~hit] == 0.0)
 
 

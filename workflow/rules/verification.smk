@@ -19,7 +19,7 @@ PARTS = {
     "trends": ["checks", "measurements", "exponents"],
     "facets_and_bed": ["checks", "sizes", "heap"],
     "stop_rule": ["checks", "ended"],
-    "surfaces": ["checks"],
+    "surfaces": ["checks", "chutes"],
 }
 
 # The tables of each figure, in the order of the parameters of its drawing function.
@@ -210,7 +210,9 @@ rule verification_stop_rule:
 
 
 rule verification_surfaces:
-    """Triangulated surfaces against the plate and against closed forms."""
+    """Triangulated surfaces against the plate, closed forms and other codes."""
+    input:
+        chutes=file_of_workflow("tests/data/codes/chutes.csv"),
     output:
         **part_files("surfaces", "parquet"),
         text=list(part_files("surfaces", "csv").values()),

@@ -94,7 +94,7 @@ class Mesh(NamedTuple):
         Tangential velocity of each part, m/s.
     frame_of : ndarray of int, shape (t,)
         Frame of each triangle.
-    sums : ndarray, shape (5, t)
+    sums : ndarray, shape (6, t)
         Sums of each cell, in the order of `surface.CELL_SUMS`.
     hits : ndarray of HIT, shape (MOST_HITS + WALLS,)
         Working memory.

@@ -11,7 +11,13 @@ import math
 
 from abradem.dem.cache import kernel
 from abradem.dem.mesh import MOST_HITS, WALLS
-from abradem.dem.mesh_search import SMOOTH, find_contacts, surface_distance, turn_to
+from abradem.dem.mesh_search import (
+    SMOOTH,
+    find_contacts,
+    has_walls_near,
+    surface_distance,
+    turn_to,
+)
 from abradem.dem.motion import press
 from abradem.dem.state import GONE
 from abradem.dem.vectors import cross, dot, plus
@@ -22,7 +28,11 @@ def touch_surface(problem, state, mesh, step):
     """Contacts of all particles with the surface at lattice step ``step``."""
     turn_to(problem, mesh, step)
     for i in range(state.tally[0].live):
-        if state.particles[i].motion != GONE:
+        particle = state.particles[i]
+        if particle.motion != GONE and (
+            particle.plate_stiffness != 0.0
+            or has_walls_near(mesh, particle.x, particle.y, particle.z)
+        ):
             touch_mesh(problem, state, mesh, i)
 
 
@@ -104,7 +114,7 @@ def _press_on(problem, state, mesh, particle, wall, overlap, on_face):
     n = (wall.nx, wall.ny, wall.nz)
     speed = wall_velocity(mesh, cell, particle, n, problem.radius - overlap)
     begins = wall.plate_stiffness == 0.0
-    total, sliding, friction, normal_work, tangential_work, driven = press(
+    total, sliding, friction, normal_work, tangential_work, impulse, driven = press(
         problem, particle, wall, tally, overlap, n, speed, on_face
     )
     wall.overlap = overlap
@@ -125,6 +135,7 @@ def _press_on(problem, state, mesh, particle, wall, overlap, on_face):
             sums[2, cell] += math.degrees(math.acos(min(abs(dot(impact, n)) / fast, 1.0)))
     sums[3, cell] += normal_work
     sums[4, cell] += tangential_work
+    sums[5, cell] += impulse
 
 
 @kernel(inline=True)

@@ -113,6 +113,18 @@ def cell_in(frame, x, y, z):
 
 
 @kernel(inline=True)
+def has_walls_near(mesh, x, y, z):
+    """Whether a point is in a cell with triangles. All frames are at the angles of the step."""
+    for f in range(mesh.frames.size):
+        frame = mesh.frames[f]
+        fx, fy, fz = to_frame(frame, x, y, z)
+        cell = cell_in(frame, fx, fy, fz)
+        if cell >= 0 and mesh.cell_steps[cell] == 0:
+            return True
+    return False
+
+
+@kernel(inline=True)
 def _is_minimum(mesh, i, feature, arm):
     """Whether the distance grows from the feature of triangle i into all triangles at it.
 

@@ -430,7 +430,7 @@ class SimulationResult:
     energy : dict
         Balance of mechanical energy, J: ``inserted``, ``removed``, ``resident``, ``dissipated``.
         What moving parts of a surface do counts as inserted.
-    cell_sums, cell_sums_all : ndarray, shape (5, t)
+    cell_sums, cell_sums_all : ndarray, shape (6, t)
         Sums per cell of a surface, in the order of `abradem.dem.surface.CELL_SUMS`, in the time of
         ``window`` and from the start to the end; shape (0, nx, nz) for the plate.
     """

@@ -155,7 +155,7 @@ def touch_plate(problem, particle, tally, facet_wear):
     overlap = problem.radius - distance
     if overlap <= 0.0 and particle.plate_stiffness == 0.0:
         return
-    total, sliding, friction, _, _, _ = press(
+    total, sliding, friction, _, _, _, _ = press(
         problem, particle, particle, tally, overlap, n, (0.0, 0.0, 0.0), on_face
     )
     ix, iz = facet_of(problem.plate, along, across)
@@ -190,8 +190,8 @@ def press(problem, particle, memory, tally, overlap, n, wall, on_face):
     Returns
     -------
     tuple of float
-        Wear by the three measures; work that normal and tangential force exchange, as absolute
-        values; and work that the wall does on the particle by its own motion; J.
+        Wear by the three measures, J; work that normal and tangential force exchange, as absolute
+        values, J; normal impulse, N s; work that the wall does on the particle by its motion, J.
     """
     radius, dt, law = problem.radius, problem.dt, problem.plate_law
     touched = memory.plate_stiffness != 0.0
@@ -273,6 +273,7 @@ def press(problem, particle, memory, tally, overlap, n, wall, on_face):
         friction,
         0.5 * abs(fn_old + fn) * abs(half_speed) * dt,
         0.5 * abs(work_old + work),
+        0.5 * (fn_old + fn) * dt,
         0.5 * dot(twice, wall) * dt,
     )
 

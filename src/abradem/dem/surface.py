@@ -11,10 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-CELL_SUMS = ("impacts", "impact_speed", "impact_angle", "normal_work", "tangential_work")
+CELL_SUMS = (
+    "impacts", "impact_speed", "impact_angle", "normal_work", "tangential_work", "normal_impulse"
+)  # fmt: skip
 """What is summed up per cell beside the wear: number of impacts, their speeds (m/s) and their
-angles from the normal (deg), and the work that the normal and the tangential contact force
-exchange with the particles (J), each step counted with its absolute value."""
+angles from the normal (deg), the work that the normal and the tangential contact force exchange
+with the particles (J), each step counted with its absolute value, and the normal impulse (N s)."""
 
 
 class Surface(NamedTuple):

@@ -487,7 +487,8 @@ CALIBRATION = {
 
 VERIFICATION = {
     **_columns("1", "int64", part="part of the study", steps="steps per contact",
-               replicate="number of the replicate", facets="facets along the length"),
+               replicate="number of the replicate", facets="facets along the length",
+               segment="segment of the chute, or axis of the impulse"),
     **_columns(
         "1", "string",
         law="what is compared", unit="unit of ours and reference", kind="kind of tolerance",
@@ -534,6 +535,7 @@ VERIFICATION = {
     **_columns("mm/s", depth_rate="depth rate of the plate mean",
                depth_stderr="standard error of the depth rate"),
     **_columns("J", work="work"),
+    **_columns("N s", spread="standard deviation between nudged particles of this engine"),
     **_columns("W", rate="rate of F_n ds, W = 1", rate_stderr="standard error of the rate"),
     **_columns("N", tangential_force="tangential force", normal_force="normal force",
         our_normal="normal force, ours", our_tangential="tangential force, ours",
