@@ -267,7 +267,7 @@ def test_all_that_is_wrong_is_told_at_once_and_nothing_is_simulated(capsys, aske
         "plate_angel (did you mean plate_angle?): no such quantity",
         "--duration -1s: must be positive",
         "--set x: is not of the form KEY=VALUE",
-        "--map x.txt: must end with one of .parquet, .csv, .png, .pdf, .svg",
+        "--map x.txt: must end with one of .parquet, .csv, .png, .pdf, .svg, .vtp",
         "--series folder.png: is a folder; name a file",
         "--seed -1: is outside 0 ... 9223372036854775807",
         "--interval needs --snapshots FOLDER",

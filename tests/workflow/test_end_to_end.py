@@ -21,7 +21,7 @@ import yaml
 from latex_checks import assert_agree, at_source, is_number, macros, rows
 from tables import product_law
 
-from abradem.figures.catalogue import CALIBRATION
+from abradem.figures.catalogue import CALIBRATION, SURFACE
 from abradem.figures.catalogue import FIGURES as CATALOGUE
 from abradem.quantities import SAMPLED_NAMES
 from abradem.report import latex
@@ -274,8 +274,9 @@ def test_the_report_holds_all_and_needs_no_network(project):
 
 
 def test_every_figure_of_the_list_is_there_in_every_format(project):
-    # A study shows two figures if their results exist, and a calibration has its own.
-    names = {name for name, entry in CATALOGUE.items() if entry.group != CALIBRATION}
+    # A study shows two figures if their results exist, a calibration and a geometry their own.
+    own = (CALIBRATION, SURFACE)
+    names = {name for name, entry in CATALOGUE.items() if entry.group not in own}
     names -= {"verification", "speed"}
     for suffix in ("png", "pdf"):
         found = {path.stem for path in (project.results / "figures").glob(f"*.{suffix}")}

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from abradem.config import (
     ConfigError,
+    geometry_ranges,
     load_config,
     read_config,
     sampled_ranges,
@@ -17,7 +18,7 @@ from abradem.config import (
     typical_case,
 )
 from abradem.dataset.variation import nothing_varies
-from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS
+from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS, SURFACE
 from abradem.quantities import wear_parts
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
@@ -86,6 +87,10 @@ SIMULATED = CONFIG.dataset.external is None
 # True if the study is a search for the set-up that explains a table.
 CALIBRATES = CONFIG.calibration.table is not None
 
+# True if the particles wear another surface than the plate: models and the figures of the plate
+# are left out, and geometry.smk adds its own results.
+WEARS_SURFACE = SIMULATED and CONFIG.simulation.geometry.kind != "plate"
+
 # Why nothing can be learned, or "". The data set alone can still be made: it holds repetitions of
 # one case.
 NOTHING_VARIES = (
@@ -138,6 +143,7 @@ def seconds_of_batches(block):
         CONFIG.sampling.cases_per_block,
         CONFIG.sampling.method,
         sampled_ranges(CONFIG),
+        geometry=geometry_ranges(CONFIG),
     )
     return batch_seconds(drawn, SETUP, BATCHES)
 
@@ -203,8 +209,8 @@ def module_of(name):
 def is_made(name):
     """Whether a figure is made: some need simulations or results of other studies."""
     needs = {"verification": VERIFICATION_MADE, "speed": SPEED_MADE}
-    if FIGURES[name].group == CALIBRATION:
-        # Another kind of study makes these, see calibration.smk.
+    if FIGURES[name].group in (CALIBRATION, SURFACE):
+        # Other kinds of studies make these, see calibration.smk and geometry.smk.
         return False
     return needs.get(name, SIMULATED or FIGURES[name].group != SIMULATIONS) and (
         SIMULATED or name != "setup"
@@ -284,7 +290,7 @@ def not_ready(jobs):
     rules = {job.rule.name for job in jobs}
     stages = {Path(str(job.rule.snakefile)).stem for job in jobs}
     problems = []
-    if SIMULATED and not CALIBRATES:
+    if SIMULATED and not CALIBRATES and not WEARS_SURFACE:
         cases = [
             int(job.wildcards.case) for job in jobs if hasattr(job.wildcards, "case")
         ]

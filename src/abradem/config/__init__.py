@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from abradem.config.declaration import Config
+    from abradem.config.geometry import geometry_ranges
     from abradem.config.keys import COMMAND_LINE
     from abradem.config.reading import (
         ConfigError,
@@ -39,6 +40,7 @@ _LAZY = {
     "Config": "declaration",
     "ConfigError": "reading",
     "documentation": "reference",
+    "geometry_ranges": "geometry",
     "load_config": "reading",
     "origin_in_files": "reading",
     "read_config": "reading",
@@ -57,6 +59,7 @@ __all__ = [
     "Config",
     "ConfigError",
     "documentation",
+    "geometry_ranges",
     "load_config",
     "origin_in_files",
     "rate_options",

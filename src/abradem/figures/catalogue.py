@@ -52,6 +52,7 @@ COMPONENTS, TREES, NETWORKS = "Principal components", "Trees", "Networks"
 PHYSICAL, ALL_MODELS = "Models on dimensionless groups", "All models"
 VERIFICATION = "Verification and performance"
 CALIBRATION = "Calibration to a table"
+SURFACE = "Wear of a surface"
 
 FIGURES: dict[str, Entry] = {
     "setup": Entry(
@@ -278,6 +279,21 @@ FIGURES: dict[str, Entry] = {
         "The best agreement for each value of each unknown of the set-up, whatever the others are: "
         "what the table tells apart, and what not.",
         "rows of the first rung of the search",
+    ),
+    "surface": Entry(
+        SURFACE,
+        "wear of the surface",
+        "surface_map:draw_surface",
+        "Wear depth rate of every cell of the surface in the window after the transient, in space, "
+        "and of the parts that can be laid out flat, for the first case of "
+        "``figures.series_cases``.",
+    ),
+    "part_rates": Entry(
+        SURFACE,
+        "wear of the parts",
+        "part_rates:draw_part_rates",
+        "Wear depth rate of each named part of the surface against the quantities that varied, "
+        "those with the strongest rank correlation first.",
     ),
     "verification": Entry(
         VERIFICATION,

@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from abradem.dem.model import Setup
 from abradem.figures import style
 from abradem.figures.cases_shown import runs_shown, stacked
+from abradem.geometry.build import worn_area
 from abradem.quantities import SAMPLED_NAMES
 from abradem.store.tables import concatenate
 from abradem.units import MM_PER_M
@@ -157,7 +158,7 @@ def depth_series(
         key = run["case_id"]
         rows = series[series["case_id"] == key]
         time = rows["time"].to_numpy(dtype=float)
-        per_joule = MM_PER_M * float(constants.at[key, "archard_constant"]) / setup.plate_area
+        per_joule = MM_PER_M * float(constants.at[key, "archard_constant"]) / worn_area(setup)
         depth = per_joule * rows[f"worn_{measure}"].to_numpy(dtype=float)
         curves.append(pd.DataFrame({"case_id": key, "time": time, "wear_depth": depth}))
         start = run["steady_from"]
