@@ -75,6 +75,8 @@ rule intervals:
         rules.dataset.output,
     output:
         calibration=f"{RESULTS}/learning/calibration.parquet",
+        regions=f"{RESULTS}/learning/coverage.parquet",
+        scores=f"{RESULTS}/learning/held_out_errors.parquet",
         summary=f"{RESULTS}/learning/intervals.json",
     log:
         f"{LOGS}/intervals.log",
@@ -98,6 +100,7 @@ rule surrogate:
         dataset=rules.dataset.output[0],
         process=rules.fit_physical.output.process_arrays,
         intervals=rules.intervals.output.summary,
+        errors=rules.intervals.output.scores,
     output:
         model=report(
             f"{RESULTS}/models/surrogate.json",

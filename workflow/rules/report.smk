@@ -13,12 +13,14 @@ TABLE_FILES = {
     "scores": rules.scores.output.scores,
     "comparison": rules.scores.output.comparison,
     "beside_paper": rules.scores.output.beside_paper,
+    "error_by_region": rules.scores.output.by_region,
     "power_law": rules.fit_physical.output.exponents,
     "exponents": rules.exponents.output[0],
     "targets": rules.reach.output.targets,
     "extrapolation": rules.reach.output.extrapolation,
     "sobol": rules.sensitivity.output.indices,
     "calibration": rules.intervals.output.calibration,
+    "coverage": rules.intervals.output.regions,
     **({"failures": rules.failures.output} if SIMULATED else {}),
 }
 
@@ -124,6 +126,7 @@ rule findings:
         falls=rules.sensitivity.output.falls,
         exponents=rules.exponents.output[0],
         comparison=rules.scores.output.comparison,
+        by_region=rules.scores.output.by_region,
         noise=NOISE_SUMMARY,
         speed=rules.speed_up.output[0] if SIMULATED else [],
     output:
