@@ -21,6 +21,7 @@ TABLE_FILES = {
     "sobol": rules.sensitivity.output.indices,
     "calibration": rules.intervals.output.calibration,
     "coverage": rules.intervals.output.regions,
+    **({"fresh_coverage": FRESH_COVERAGE[0]} if TESTED_WITH else {}),
     **({"failures": rules.failures.output} if SIMULATED else {}),
 }
 
@@ -127,6 +128,7 @@ rule findings:
         exponents=rules.exponents.output[0],
         comparison=rules.scores.output.comparison,
         by_region=rules.scores.output.by_region,
+        fresh=FRESH_SUMMARY[0] if TESTED_WITH else [],
         noise=NOISE_SUMMARY,
         speed=rules.speed_up.output[0] if SIMULATED else [],
     output:

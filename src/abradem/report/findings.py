@@ -42,6 +42,7 @@ def findings(
     falls: pd.DataFrame,
     comparison: pd.DataFrame,
     by_region: pd.DataFrame,
+    fresh: Mapping | None = None,
     noise: Mapping | None = None,
     speed: Mapping | None = None,
     exponents: pd.DataFrame | None = None,
@@ -61,6 +62,8 @@ def findings(
         From `abradem.learning.comparison.compare`.
     by_region : pandas.DataFrame
         From `abradem.learning.regions.error_by_region`.
+    fresh : mapping, optional
+        From `abradem.learning.physical.fresh`; None without fresh cases.
     noise : mapping, optional
         From `abradem.learning.physical.noise_floor`; None without simulations.
     speed : mapping, optional
@@ -80,7 +83,7 @@ def findings(
         ("Comparison", _comparison(physical, surrogate, comparison, noise)),
         ("Error by region", _error_by_region(by_region)),
         ("Power law", _power_law(physical)),
-        ("Intervals", _intervals(intervals)),
+        ("Intervals", _intervals(intervals) + _fresh(fresh)),
         ("Learning curve", _curve(curve)),
         ("Extrapolation", _extrapolation(extrapolation, fixed)),
     ]
@@ -203,6 +206,18 @@ def _intervals(intervals: Mapping) -> str:
         f"within {100.0 * intervals['tolerance']:g} points of the nominal level. By region (angle, "
         f"speed and size) {intervals['regions']['in_band']} of {intervals['regions']['shares']} "
         "shares are in their binomial band; 19 of 20 would be, if the intervals held exactly."
+    )
+
+
+def _fresh(fresh: Mapping | None) -> str:
+    """The test of the intervals on fresh cases."""
+    if fresh is None:
+        return ""
+    scores = fresh["scores"]
+    return (
+        f" On {fresh['cases']} fresh cases, simulated for this test alone, {fresh['in_band']} of "
+        f"{fresh['shares']} shares by region are in their bands; R2 of the wear is there "
+        f"{score_number(scores['R2'])}, of ln(wear number) {score_number(scores['R2_number'])}."
     )
 
 

@@ -347,7 +347,7 @@ def test_the_findings_repeat_the_numbers(given):
         findings(
             summary, intervals, {"scores": summary["scores"][PROCESS]}, verdict(indices),
             curve, extrapolate(given, models), indices, falls, comparison,
-            error_by_region(predictions, law()), floor,
+            error_by_region(predictions, law()), None, floor,
             speed,
         )
     )  # fmt: skip
