@@ -15,6 +15,7 @@ JET = {
         "patch_width",
     )
 }
+DISTILLED = SURROGATE.model_dump(include={"points", "hidden", "epochs"})
 FAMILIES = {
     "boosting": {"trees": PHYSICAL.boosting_trees, "depth": PHYSICAL.boosting_depth},
     "networks": {"members": PHYSICAL.networks, "steps": PHYSICAL.network_steps},
@@ -92,12 +93,42 @@ rule intervals:
         "../scripts/physical/intervals.py"
 
 
+rule local_wear:
+    """Models of the wear at other places of the plate, for the surrogate."""
+    input:
+        rules.dataset.output,
+    output:
+        local=f"{RESULTS}/learning/local_wear.json",
+        local_arrays=f"{RESULTS}/learning/local_wear.safetensors",
+    log:
+        f"{LOGS}/local_wear.log",
+    conda:
+        "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(LEARNING_MB),
+        runtime=growing(LEARNING_MINUTES),
+    params:
+        setup=JET,
+        table=LEARNED_FROM,
+        settings=DISTILLED,
+        options={
+            "fold_count": PHYSICAL.interval_folds,
+            "seed": CONFIG.seed,
+            "element_size": TARGET["element_size"],
+        },
+        code=code_of("physical/local_wear"),
+    script:
+        "../scripts/physical/local_wear.py"
+
+
 rule surrogate:
     """The surrogate for `abradem predict`, and its scores."""
     input:
         dataset=rules.dataset.output[0],
         process=rules.fit_physical.output.process_arrays,
         intervals=rules.intervals.output.summary,
+        local=rules.local_wear.output.local,
+        local_arrays=rules.local_wear.output.local_arrays,
     output:
         model=report(
             f"{RESULTS}/models/surrogate.json",
@@ -118,7 +149,7 @@ rule surrogate:
     params:
         setup=JET,
         table=LEARNED_FROM,
-        settings=SURROGATE.model_dump(include={"points", "hidden", "epochs"}),
+        settings=DISTILLED,
         splits=SPLITS,
         options={
             "confidence": LEARNING.confidence,

@@ -89,9 +89,10 @@ def export_onnx(surrogate: Surrogate, path: str | Path) -> None:
     scaled = graph.node("Div", centred, graph.constant(surrogate.group_scale))
     z = graph.node("Cast", scaled, to=TensorProto.FLOAT)
     outputs = []
+    model_of_target = next(iter(surrogate.models.values()))
     for network in NETWORKS:
         value = z
-        for place, (weights, biases) in enumerate(surrogate.layers[network]):
+        for place, (weights, biases) in enumerate(model_of_target.layers[network]):
             value = graph.node("Relu", value) if place else value
             value = graph.node(
                 "Gemm", value, graph.constant(weights, np.float32),

@@ -1,0 +1,126 @@
+"""Which cases a surrogate takes for unlike its training: planted influences and corners."""
+
+import numpy as np
+import pytest
+
+from abradem.learning.physical.domain import MOST_CASES, domain_of, slopes_of
+from abradem.quantities import SAMPLED
+from abradem.surrogate.domain import HARMLESS, LEAST_SLOPE, Domain, warnings_on
+
+SLOPES = np.array([1.0, 0.5, 0.0])
+
+
+def law(groups):
+    """Logarithm of the wear number: two groups matter, the third does not."""
+    return groups @ SLOPES
+
+
+@pytest.fixture(scope="module")
+def band():
+    """Cases along the diagonal of the first two groups; no case is in the other corners."""
+    rng = np.random.default_rng(0)
+    along = rng.uniform(-1.5, 1.5, 300)
+    return np.column_stack([along, along + rng.normal(0.0, 0.1, 300), rng.normal(size=300)])
+
+
+@pytest.fixture(scope="module")
+def domain(band):
+    description, arrays = domain_of(law, band, np.arange(300), np.zeros(3), np.ones(3))
+    return Domain(arrays["domain_rows"], arrays["domain_slopes"], description["limit"])
+
+
+def test_slopes_are_those_of_the_law(band, domain):
+    np.testing.assert_allclose(slopes_of(law, band, np.array([1.0, 2.0, 1.0])), [1.0, 1.0, 0.0],
+                               atol=1e-9)  # fmt: skip
+    np.testing.assert_allclose(domain.slopes, [1.0, 0.5, LEAST_SLOPE], rtol=1e-6)
+
+
+def test_the_slope_of_a_curved_law_is_its_root_mean_square(band):
+    found = slopes_of(lambda groups: groups[:, 0] ** 2, band, np.ones(3))
+    assert found[0] == pytest.approx(2.0 * np.sqrt(np.mean(band[:, 0] ** 2)), rel=1e-9)
+
+
+def test_distances_are_those_of_a_slow_twin(band, domain):
+    points = np.random.default_rng(1).normal(size=(20, 3))
+    expected = [
+        np.mean(sorted(np.linalg.norm((point - row) * domain.slopes) for row in band)[:5])
+        for point in points
+    ]
+    np.testing.assert_allclose(domain.distance(points), expected, rtol=1e-4)
+    own = [
+        np.mean(sorted(np.linalg.norm((band[i] - row) * domain.slopes) for row in band)[1:6])
+        for i in range(len(band))
+    ]
+    assert domain.limit == pytest.approx(np.quantile(own, 0.99), rel=1e-3)
+
+
+def test_new_cases_of_the_same_kind_are_rarely_far(domain):
+    rng = np.random.default_rng(2)
+    along = rng.uniform(-1.5, 1.5, 2000)
+    fresh = np.column_stack([along, along + rng.normal(0.0, 0.1, 2000), rng.normal(size=2000)])
+    assert np.mean(domain.distance(fresh) > domain.limit) < 0.03
+
+
+def test_a_corner_that_nobody_sampled_is_far_though_inside_all_ranges(band, domain):
+    corner = np.array([[1.4, -1.4, 0.0]])
+    assert (corner > band.min(axis=0)).all() and (corner < band.max(axis=0)).all()
+    assert domain.distance(corner)[0] > 2.0 * domain.limit
+
+
+def test_a_group_without_influence_may_be_far_off_but_not_without_end(domain):
+    assert domain.distance(np.array([[0.0, 0.0, 4.0]]))[0] < domain.limit
+    assert domain.distance(np.array([[0.0, 0.0, 60.0]]))[0] > domain.limit
+
+
+def test_repeated_cases_do_not_count_as_neighbours_and_many_are_thinned(band):
+    _, once = domain_of(law, band, np.arange(300), np.zeros(3), np.ones(3))
+    _, thrice = domain_of(law, np.repeat(band, 3, axis=0), np.repeat(np.arange(300), 3),
+                          np.zeros(3), np.ones(3))  # fmt: skip
+    np.testing.assert_array_equal(once["domain_rows"], thrice["domain_rows"])
+    many = np.random.default_rng(3).normal(size=(2 * MOST_CASES, 3))
+    _, thinned = domain_of(law, many, np.arange(len(many)), np.zeros(3), np.ones(3))
+    assert len(thinned["domain_rows"]) == MOST_CASES
+
+
+# Warnings
+
+CASE = {row.name: np.array([float(np.mean(row.paper_range))]) for row in SAMPLED}
+RANGES = {row.name: tuple(map(float, row.paper_range)) for row in SAMPLED}
+NEAR = np.zeros(1, dtype=bool)
+
+
+def numbers(columns):
+    """The plate angle matters by 0.01 per degree, nothing else does; the deviation is 0.05."""
+    mean = 0.01 * columns["plate_angle"]
+    return mean, np.full(len(mean), np.log(0.05))
+
+
+def asked(far=NEAR, **change):
+    changed = {name: np.atleast_1d(np.asarray(value, float)) for name, value in change.items()}
+    rows = len(next(iter(changed.values()))) if changed else 1
+    columns = {name: np.broadcast_to(column, rows) for name, column in {**CASE, **changed}.items()}
+    return warnings_on(columns, RANGES, numbers, far)
+
+
+def test_a_quantity_without_influence_is_not_cried_over():
+    assert asked() == asked(particle_shear_modulus=50e9) == []
+    # 0.025 of the wear number are half a deviation, at 72.5 degrees.
+    assert HARMLESS == 0.5
+    assert asked(plate_angle=72.4) == []
+    (line,) = asked(plate_angle=72.6)
+    assert line.startswith("plate_angle = 72.6 deg is outside the training range 0 ... 70 deg")
+    (line,) = asked(far=np.zeros(3, dtype=bool), plate_angle=[30.0, 85.0, 90.0])
+    assert line.startswith("plate_angle = 85 deg in row 2 (and 1 more) is outside")
+
+
+def test_a_far_case_is_one_line_with_what_is_outside():
+    far = np.ones(1, dtype=bool)
+    (line,) = asked(far)
+    assert "this case is far from all training cases (each value is inside its range" in line
+    (line,) = asked(far, particle_shear_modulus=50e9)
+    assert "outside their ranges: particle_shear_modulus (2e+09 ... 1e+10 Pa)" in line
+    # Where a quantity is named already, no second line says the same.
+    (line,) = asked(far, plate_angle=90.0)
+    assert line.startswith("plate_angle = 90 deg")
+    (line,) = asked(np.array([False, True, True]), particle_density=[3000.0, 3000.0, 3000.0])
+    assert line.startswith("row 2 (and 1 more) is far")
