@@ -270,7 +270,7 @@ class Surrogate:
 
     def _standardised(self, columns: Mapping[str, np.ndarray]) -> np.ndarray:
         """Standardised groups, shape (n, 10), of checked quantities (n,)."""
-        z = np.empty((len(columns["plate_angle"]), len(self.group_mean)), dtype=np.float32)
+        z = np.empty((len(columns["plate_angle"]), len(self.group_mean)))
         for place, column in enumerate(group_columns(columns, self.jet)):
             z[:, place] = (column - self.group_mean[place]) / self.group_scale[place]
         return z

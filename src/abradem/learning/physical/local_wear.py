@@ -27,6 +27,9 @@ LOCAL_STATISTICS = ("mean", "footprint", "p99", "max")
 """Statistics over the plate that a surrogate answers."""
 
 
+SCALING = ("group_mean", "group_scale")
+
+
 class LocalWear(NamedTuple):
     """What the surrogate of a study holds besides its target.
 
@@ -36,8 +39,8 @@ class LocalWear(NamedTuple):
         ``target``, ``training_rows``, ``distillation_error`` and ``held_out``, the scores of the
         Gaussian process on rows that were held out in turn.
     arrays : dict of str to ndarray
-        Networks and held-out errors; their names begin with
-        `abradem.surrogate.parts.local_prefix`.
+        Networks and held-out errors, whose names begin with
+        `abradem.surrogate.parts.local_prefix`, and the scaling of the groups.
     """
 
     descriptions: list[dict]
@@ -94,7 +97,9 @@ def local_wear(
         if element_size is not None and wear_parts(other)[1] != "mean":
             described["target"]["element_size"] = element_size
         descriptions.append(described)
-        arrays.update({f"{local_prefix(other)}{key}": array for key, array in found.items()})
+        for key, array in found.items():
+            # The groups are scaled as for the target, from the same points.
+            arrays[key if key in SCALING else f"{local_prefix(other)}{key}"] = array
     return LocalWear(descriptions, arrays)
 
 
@@ -107,8 +112,6 @@ def _one(
     held = held_out(given, rows, fold_count, seed)
     conformal = conformal_of(given, rows, held)
     arrays, error = distil(process, given, settings, seed, conformal.scale)
-    # The groups are scaled as for the target, from the same points.
-    kept = {key: array for key, array in arrays.items() if not key.startswith("group_")}
     actual = given.table.target
     return {
         "target": {"name": given.table.target_name, "unit": given.table.unit},
@@ -117,7 +120,7 @@ def _one(
         "distillation_error": error,
         "error_scale": conformal.scale.describe(),
         "held_out": score(actual, given.wear(rows, held.mean), float(actual.min())),
-    }, {**kept, "conformal": conformal.scores}
+    }, {**arrays, "conformal": conformal.scores}
 
 
 def with_local_wear(
@@ -130,6 +133,13 @@ def with_local_wear(
     model : pair
         From `abradem.learning.physical.distil.surrogate_of`, for the same rows, settings and seed.
     local : LocalWear
+
+    Raises
+    ------
+    ValueError
+        If the groups are scaled in another way, as those of other rows or of another seed are.
     """
     description, arrays = model
+    if not all(np.array_equal(arrays[key], local.arrays.get(key, arrays[key])) for key in SCALING):
+        raise ValueError("local wear and surrogate do not scale the groups in the same way")
     return {**description, "local": local.descriptions}, {**arrays, **local.arrays}
