@@ -1,11 +1,22 @@
 """Which cases a surrogate takes for unlike its training: planted influences and corners."""
 
+import re
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from flat_surrogate import write_flat_surrogate
+from tables import drawn
 
-from abradem.learning.physical.domain import MOST_CASES, domain_of, slopes_of
+from abradem.learning.model_files import write_model
+from abradem.learning.physical.domain import MOST_CASES, domain_of, slopes_of, with_domain
 from abradem.quantities import SAMPLED
+from abradem.store.files import read_arrays, read_json
 from abradem.surrogate.domain import HARMLESS, LEAST_SLOPE, Domain, warnings_on
+from abradem.surrogate.groups import GROUP_NAMES, Jet, group_matrix
+from abradem.surrogate.model import PredictionError, Surrogate
+
+JET = Jet(0.385, 9.81, 42.0, None, 0.09, 0.09)
 
 SLOPES = np.array([1.0, 0.5, 0.0])
 
@@ -124,3 +135,64 @@ def test_a_far_case_is_one_line_with_what_is_outside():
     assert line.startswith("plate_angle = 90 deg")
     (line,) = asked(np.array([False, True, True]), particle_density=[3000.0, 3000.0, 3000.0])
     assert line.startswith("row 2 (and 1 more) is far")
+
+
+# In a surrogate
+
+
+@pytest.fixture(scope="module")
+def surrogate(tmp_path_factory):
+    """A flat surrogate whose training cases were all slow on flat plates or fast on steep ones."""
+    stem = tmp_path_factory.mktemp("flat") / "surrogate"
+    write_flat_surrogate(stem, JET)
+    table = drawn(200)
+    table["particle_velocity_y"] = -1.0 - 9.0 * table["plate_angle"] / 70.0
+    groups = group_matrix(table, JET)
+    weights = np.zeros(len(GROUP_NAMES))
+    weights[[GROUP_NAMES.index("log_froude"), GROUP_NAMES.index("plate_angle")]] = 0.5, 1.0
+    process = SimpleNamespace(predict=lambda rows: rows @ weights)
+    given = SimpleNamespace(groups=groups, table=SimpleNamespace(groups=np.arange(200)))
+    model = read_json(f"{stem}.json"), read_arrays(f"{stem}.safetensors")
+    write_model(*with_domain(model, process, given), f"{stem}.json")
+    return Surrogate.load(stem)
+
+
+def test_a_surrogate_warns_of_the_corner_and_of_it_alone(surrogate):
+    case = {row.name: float(np.mean(row.paper_range)) for row in SAMPLED}
+    for angle, speed in ((5.0, -1.6), (35.0, -5.5), (65.0, -9.4)):
+        near = {**case, "plate_angle": angle, "particle_velocity_y": speed}
+        assert surrogate.predict(near).warnings == []
+    corner = {**case, "plate_angle": 65.0, "particle_velocity_y": -1.0}
+    (line,) = surrogate.predict(corner).warnings
+    assert line.startswith("this case is far from all training cases (each value is inside")
+    several = {**case, "plate_angle": [5.0, 65.0], "particle_velocity_y": [-1.6, -1.0]}
+    (line,) = surrogate.predict(several).warnings
+    assert line.startswith("row 2 is far from all training cases")
+
+
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        ("domain_rows", "domain_rows is missing"),
+        ("domain_slopes", "domain_slopes is missing"),
+        ("limit", "domain.limit = None must be a finite number"),
+    ],
+)
+def test_a_part_of_the_domain_that_is_missing_is_one_line(surrogate, tmp_path, part, words):
+    description = dict(surrogate.description)
+    model = surrogate.models["wear_friction_p99"]
+    arrays = {
+        "group_mean": surrogate.group_mean, "group_scale": surrogate.group_scale,
+        "conformal": model.scores, "domain_rows": surrogate.domain.rows,
+        "domain_slopes": surrogate.domain.slopes,
+    }  # fmt: skip
+    for name, layers in model.layers.items():
+        for place, (weights, biases) in enumerate(layers):
+            arrays |= {f"{name}_weights_{place}": weights, f"{name}_biases_{place}": biases}
+    if part == "limit":
+        description["domain"] = {}
+    else:
+        del arrays[part]
+    write_model(description, arrays, tmp_path / "a.json")
+    with pytest.raises(PredictionError, match=re.escape(words)):
+        Surrogate.load(tmp_path / "a")

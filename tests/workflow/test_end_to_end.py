@@ -62,7 +62,9 @@ AFTER_SCORES = {
     **each("scores", "figure_models", "figure_distributions", "summary", "latex", "findings"),
     **OF_COMPARISON, "table": 3,
 }  # fmt: skip
-PHYSICAL = each("fit_physical", "intervals", "surrogate", "sensitivity", "reach", "findings")
+PHYSICAL = each(
+    "fit_physical", "intervals", "local_wear", "surrogate", "sensitivity", "reach", "findings",
+)  # fmt: skip
 TRAINING = {
     **each("linear", "penalised", "pca", "selection", "trees"), "ga_ann": 2, **PHYSICAL,
 }  # fmt: skip
