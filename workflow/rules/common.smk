@@ -13,6 +13,7 @@ from abradem.config import (
     rate_options,
     setup_dict,
     target_dict,
+    jet_is_known,
     to_yaml,
     typical_case,
 )

@@ -156,6 +156,7 @@ rule surrogate:
             "seed": CONFIG.seed,
             "element_size": TARGET["element_size"],
         },
+        meaning={"jet_known": jet_is_known(CONFIG), "target_known": TARGET["known"]},
         code=code_of("physical/surrogate"),
     script:
         "../scripts/physical/surrogate.py"

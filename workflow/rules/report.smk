@@ -139,7 +139,7 @@ rule findings:
         "../envs/abradem.yaml"
     params:
         table=CONFIG.study,
-        target=TARGET if SIMULATED else None,
+        target=TARGET if TARGET["known"] else None,
         code=code_of("report/findings"),
     script:
         "../scripts/report/findings.py"

@@ -35,14 +35,16 @@ def level_text(confidence: float, surrogate: Surrogate, name: str | None = None)
 def place_words(surrogate: Surrogate, name: str | None = None) -> str:
     """Return of what place of the plate a rate of a surrogate is, by default its target."""
     target = surrogate.model(name).target
-    return wear_words(target["name"], target.get("element_size"))
+    return wear_words(target["name"], target.get("element_size"), target.get("known", True))
 
 
 def depth_words(surrogate: Surrogate, name: str | None = None) -> str:
     """Return of what a depth is that a surrogate predicts, in words."""
     words = f"depth {place_words(surrogate, name)}"
-    worst = surrogate.model(name).target["name"].endswith("_max")
-    return words if worst else f"{words}; single places are worn deeper"
+    target = surrogate.model(name).target
+    if target["name"].endswith("_max") or not target.get("known", True):
+        return words
+    return f"{words}; single places are worn deeper"
 
 
 def warn(lines: Iterable[str]) -> None:

@@ -18,6 +18,8 @@ class SurrogateBeside:
     def __init__(self, surrogate: Surrogate, stem: str, own: OwnSetup):
         self.surrogate, self.stem = surrogate, stem
         ours, theirs = jet_of(own.setup)._asdict(), surrogate.jet._asdict()
+        # The jet of a table from elsewhere may be a reference alone.
+        self.jet_known = surrogate.description.get("jet_known", True)
         target = surrogate.description["target"]
         of_elements = target["name"] in WEAR_COLUMNS and not target["name"].endswith("_mean")
         if of_elements:
@@ -34,7 +36,9 @@ class SurrogateBeside:
         found = self.surrogate.predict_all(values)
         first, *_ = found.values()
         warn(first.warnings)
-        if self.differences:
+        if not self.jet_known:
+            warn(["the surrogate was trained with a table whose jet is not known"])
+        elif self.differences:
             warn([f"the surrogate was trained with another set-up: {', '.join(self.differences)}"])
         for name, prediction in found.items():
             line = f"surrogate {self.stem}: {rate_text(self.surrogate, name, prediction)}"

@@ -50,6 +50,7 @@ def check_description(description: Any) -> None:
         domain = _part(description, "domain", Mapping, "an object")
         if not _number(domain.get("limit"), "domain.limit") >= 0.0:
             raise PartError(f"domain.limit = {domain['limit']!r} must not be negative")
+    _typed(description.get("jet_known", True), bool, "jet_known", "true or false")
     _check_jet(_part(description, "jet", Mapping, "an object"))
     _check_features(_part(description, "features", list, "a list"))
 
@@ -71,6 +72,7 @@ def _check_target(parent: Mapping, above: str) -> None:
         raise PartError(f"{at}name is empty")
     if _part(target, "unit", str, "text", at) != UNIT:
         raise PartError(f"{at}unit = {target['unit']!r} must be {UNIT!r}")
+    _typed(target.get("known", True), bool, f"{at}known", "true or false")
     if "element_size" in target and not _number(target["element_size"], f"{at}element_size") > 0:
         raise PartError(f"{at}element_size = {target['element_size']!r} must be positive")
 

@@ -8,7 +8,7 @@ from abradem.learning.model_files import write_stage
 from abradem.learning.physical.distil import Settings, evaluate_surrogate, surrogate_of
 from abradem.learning.physical.domain import with_domain
 from abradem.learning.physical.gaussian_process import GaussianProcess
-from abradem.learning.physical.local_wear import LocalWear, with_local_wear
+from abradem.learning.physical.local_wear import LocalWear, with_local_wear, with_meaning
 from abradem.learning.physical.problem import problem
 from abradem.store.files import read_arrays, read_json
 from abradem.store.tables import read_table
@@ -27,6 +27,7 @@ model = surrogate_of(
     results,
     **snakemake.params.options,
 )
+model = with_meaning(model, **snakemake.params.meaning)
 model = with_domain(model, process, given, snakemake.params.options["seed"])
 local = LocalWear(
     read_json(snakemake.input.local)["local"], read_arrays(snakemake.input.local_arrays)
