@@ -19,6 +19,7 @@ from abradem.config import (
 )
 from abradem.dataset.variation import nothing_varies
 from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS
+from abradem.publish.description import LICENCE
 from abradem.quantities import wear_parts
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
