@@ -9,7 +9,7 @@ from flat_surrogate import write_flat_surrogate
 from tables import drawn
 
 from abradem.learning.model_files import write_model
-from abradem.learning.physical.domain import MOST_CASES, domain_of, slopes_of, with_domain
+from abradem.learning.physical.training_domain import MOST_CASES, domain_of, slopes_of, with_domain
 from abradem.quantities import SAMPLED
 from abradem.store.files import read_arrays, read_json
 from abradem.surrogate.domain import HARMLESS, LEAST_SLOPE, Domain, warnings_on

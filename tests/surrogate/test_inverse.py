@@ -9,7 +9,7 @@ from flat_surrogate import NUMBER, SPREAD, write_flat_surrogate
 from abradem.cli.main import main
 from abradem.quantities import SAMPLED
 from abradem.surrogate.groups import Jet, wear_scale
-from abradem.surrogate.inverse import extremes, solve
+from abradem.surrogate.inverse import least_and_greatest, solve
 from abradem.surrogate.model import PredictionError, Surrogate
 from abradem.surrogate.networks import RateModel
 
@@ -78,7 +78,7 @@ def test_all_roots_are_found(flat):
 
 def test_least_and_greatest_wear_over_a_range(flat):
     surrogate = waves(flat)
-    found = extremes(surrogate, CASE, "plate_angle", ends=(5.0, 24.0))
+    found = least_and_greatest(surrogate, CASE, "plate_angle", ends=(5.0, 24.0))
     assert found.values == pytest.approx((10.0, 20.0), abs=19.0 / 4000.0)
     scale = wear_scale(CASE, JET)
     rates = [float(one.rate[0]) / scale for one in found.predictions]

@@ -18,7 +18,7 @@ from abradem.cli.given_values import (
     hours_of,
     say_preset,
 )
-from abradem.cli.inverse import Depth, print_extremes, print_solution, target_of
+from abradem.cli.inverse_questions import Depth, print_extremes, print_solution, target_of
 from abradem.cli.predict_words import NO_END, depth_words, rate_text, warn
 from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
 from abradem.learning.number_text import number_or_words

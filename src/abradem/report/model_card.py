@@ -156,7 +156,7 @@ def _regions(regions: pd.DataFrame) -> list[dict]:
     return regions[columns].to_dict("records")
 
 
-def to_html(card: Mapping) -> str:
+def card_page(card: Mapping) -> str:
     """The card as one page without any other file."""
     title = f"Model card: surrogate of study {card['study']}"
     parts = [

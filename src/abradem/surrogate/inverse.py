@@ -140,7 +140,7 @@ def solve(
     )  # fmt: skip
 
 
-def extremes(
+def least_and_greatest(
     surrogate: Surrogate,
     values: Mapping[str, float],
     name: str,

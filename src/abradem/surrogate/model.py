@@ -247,6 +247,8 @@ class Surrogate:
             block = {name: column[part] for name, column in columns.items()}
             z = self._standardised(block)
             mean, spread = asked.log_number(z)
+            if asked.at_least is not None:
+                mean = np.maximum(mean, self.models[asked.at_least].log_number(z)[0])
             # What overflows is refused below, or makes an interval without an upper end.
             with np.errstate(over="ignore"):
                 rate[part] = wear_scale(block, self.jet) * np.exp(mean)

@@ -23,11 +23,15 @@ class RateModel(NamedTuple):
         Weights and biases of the networks `NETWORKS`, from the input on.
     scores : ndarray, shape (n,)
         Held-out errors over their predicted deviation, in ascending order.
+    at_least : str or None
+        Name of a wear rate that this one cannot be below, as the worst element is worn at least as
+        much as the 99th percentile.
     """
 
     target: Mapping
     layers: dict[str, Layers]
     scores: np.ndarray
+    at_least: str | None = None
 
     @property
     def score_count(self) -> int:
@@ -42,16 +46,17 @@ class RateModel(NamedTuple):
 
 def rate_models(description: Mapping, arrays: Mapping[str, np.ndarray]) -> dict[str, RateModel]:
     """The models of all wear rates of a surrogate by their names, that of the study first."""
-    found = {description["target"]["name"]: _rate_model(description["target"], arrays, "")}
+    found = {description["target"]["name"]: _rate_model(description, arrays, "")}
     for one in description.get("local", []):
         name = one["target"]["name"]
-        found[name] = _rate_model(one["target"], arrays, local_prefix(name))
+        found[name] = _rate_model(one, arrays, local_prefix(name))
     return found
 
 
-def _rate_model(target: Mapping, arrays: Mapping[str, np.ndarray], prefix: str) -> RateModel:
+def _rate_model(one: Mapping, arrays: Mapping[str, np.ndarray], prefix: str) -> RateModel:
     layers = {name: _layers(arrays, f"{prefix}{name}") for name in NETWORKS}
-    return RateModel(target, layers, np.sort(arrays[f"{prefix}conformal"]))
+    scores = np.sort(arrays[f"{prefix}conformal"])
+    return RateModel(one["target"], layers, scores, one.get("at_least"))
 
 
 def _layers(arrays: Mapping[str, np.ndarray], name: str) -> Layers:

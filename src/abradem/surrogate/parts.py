@@ -43,9 +43,14 @@ def check_description(description: Any) -> None:
     for place, one in enumerate(_typed(description.get("local", []), list, "local", "a list")):
         _typed(one, Mapping, f"local[{place}]", "an object")
         _check_target(one, f"local[{place}].")
-    names = [description["target"]["name"], *local_names(description)]
+    rates = [description, *description.get("local", [])]
+    names = [one["target"]["name"] for one in rates]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise PartError(f"{twice[0]} is the target twice")
+    above = {name: one.get("at_least") for name, one in zip(names, rates, strict=True)}
+    for name, floor in above.items():
+        if floor is not None and (floor not in above or above[floor] is not None):
+            raise PartError(f"at_least = {_shown(floor)} of {name} must be another wear rate")
     if "domain" in description:
         domain = _part(description, "domain", Mapping, "an object")
         if not _number(domain.get("limit"), "domain.limit") >= 0.0:

@@ -152,3 +152,20 @@ def test_a_place_that_is_not_held_and_a_damaged_one_are_one_line(stem, tmp_path)
     write_model(twice, arrays, tmp_path / "c.json")
     with pytest.raises(PredictionError, match="wear_total_mean is the target twice"):
         Surrogate.load(tmp_path / "c")
+
+
+def test_no_place_is_below_one_that_it_cannot_be_below(stem, tmp_path):
+    """By definition the worst element is worn at least as much as the 99th percentile."""
+    surrogate = Surrogate.load(stem)
+    assert surrogate.models["wear_total_max"].at_least == "wear_total_p99"
+    assert surrogate.models["wear_total_footprint"].at_least == TARGET
+    description, arrays = read_json(f"{stem}.json"), read_arrays(f"{stem}.safetensors")
+    arrays["local.wear_total_max.mean_biases_2"] -= 9.0
+    write_model(description, arrays, tmp_path / "a.json")
+    found = Surrogate.load(tmp_path / "a").predict_all(CASE)
+    worst, p99 = found["wear_total_max"], found["wear_total_p99"]
+    assert worst.rate[0] == p99.rate[0] and worst.upper[0] > worst.rate[0] > worst.lower[0]
+    description["local"][0]["at_least"] = "wear_total_worn"
+    write_model(description, arrays, tmp_path / "b.json")
+    with pytest.raises(PredictionError, match="at_least = 'wear_total_worn' of wear_total_footpr"):
+        Surrogate.load(tmp_path / "b")

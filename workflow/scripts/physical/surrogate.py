@@ -6,10 +6,10 @@ start_job(snakemake)
 
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.distil import Settings, evaluate_surrogate, surrogate_of
-from abradem.learning.physical.domain import with_domain
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.local_wear import LocalWear, with_local_wear, with_meaning
 from abradem.learning.physical.problem import problem
+from abradem.learning.physical.training_domain import with_domain
 from abradem.store.files import read_arrays, read_json
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of

@@ -31,6 +31,11 @@ LOCAL_STATISTICS = ("mean", "footprint", "p99", "max")
 SCALING = ("group_mean", "group_scale")
 
 
+NOT_BELOW = {"footprint": "mean", "max": "p99"}
+"""The statistic that one cannot be below, by definition: the footprint is the smallest part of the
+plate that holds its share of the wear, and nothing is worn deeper than the worst element."""
+
+
 class LocalWear(NamedTuple):
     """What the surrogate of a study holds besides its target.
 
@@ -149,6 +154,8 @@ def with_local_wear(
 ) -> tuple[dict, dict[str, np.ndarray]]:
     """Description and arrays of a surrogate with those of the other places of the plate.
 
+    The models are fitted one by one, so that each says what it cannot be below (`NOT_BELOW`).
+
     Parameters
     ----------
     model : pair
@@ -161,6 +168,15 @@ def with_local_wear(
         If the groups are scaled in another way, as those of other rows or of another seed are.
     """
     description, arrays = model
+    rates = [dict(one) for one in (description, *local.descriptions)]
+    names = [one["target"]["name"] for one in rates]
+    for one in rates:
+        measure, statistic = wear_parts(one["target"]["name"])
+        if (
+            statistic in NOT_BELOW
+            and (floor := wear_column(measure, NOT_BELOW[statistic])) in names
+        ):
+            one["at_least"] = floor
     if not all(np.array_equal(arrays[key], local.arrays.get(key, arrays[key])) for key in SCALING):
         raise ValueError("local wear and surrogate do not scale the groups in the same way")
-    return {**description, "local": local.descriptions}, {**arrays, **local.arrays}
+    return {**rates[0], "local": rates[1:]}, {**arrays, **local.arrays}

@@ -8,7 +8,7 @@ from abradem.cli.given_values import Given, say_preset, sought_quantity, value_t
 from abradem.cli.predict_words import NO_END, level_text, place_words, rate_text, warn
 from abradem.learning.number_text import number_or_words
 from abradem.quantities import quantity, wear_parts
-from abradem.surrogate.inverse import CLOSED_FORM, extremes, range_of, solve
+from abradem.surrogate.inverse import CLOSED_FORM, least_and_greatest, range_of, solve
 from abradem.surrogate.model import SECONDS_PER_HOUR, PredictionError, Surrogate
 
 
@@ -86,7 +86,7 @@ def print_extremes(
     """Print the least and the greatest wear depth rate over the range of a quantity."""
     name, ends = sought_quantity("--extremes", text, given)
     others = _without(given, name)
-    found = extremes(surrogate, others.values, name, level, target, ends)
+    found = least_and_greatest(surrogate, others.values, name, level, target, ends)
     warn(dict.fromkeys(line for one in found.predictions for line in one.warnings))
     say_preset(others)
     for word, value, one in zip(
