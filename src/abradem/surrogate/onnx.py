@@ -9,6 +9,7 @@ the functions of `abradem.surrogate.groups` run on symbols that record each oper
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -90,7 +91,8 @@ def export_onnx(surrogate: Surrogate, path: str | Path) -> None:
     scaled = graph.node("Div", centred, graph.constant(surrogate.group_scale))
     z = graph.node("Cast", scaled, to=TensorProto.FLOAT)
 
-    def output(layers: Layers) -> _Symbol:
+    # A symbol, which numpy functions take.
+    def output(layers: Layers) -> Any:
         value = z
         for place, (weights, biases) in enumerate(layers):
             value = graph.node("Relu", value) if place else value
