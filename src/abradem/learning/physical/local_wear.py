@@ -168,15 +168,13 @@ def with_local_wear(
         If the groups are scaled in another way, as those of other rows or of another seed are.
     """
     description, arrays = model
+    if not all(np.array_equal(arrays[key], local.arrays.get(key, arrays[key])) for key in SCALING):
+        raise ValueError("local wear and surrogate do not scale the groups in the same way")
     rates = [dict(one) for one in (description, *local.descriptions)]
     names = [one["target"]["name"] for one in rates]
     for one in rates:
         measure, statistic = wear_parts(one["target"]["name"])
-        if (
-            statistic in NOT_BELOW
-            and (floor := wear_column(measure, NOT_BELOW[statistic])) in names
-        ):
+        floor = wear_column(measure, NOT_BELOW[statistic]) if statistic in NOT_BELOW else None
+        if floor in names:
             one["at_least"] = floor
-    if not all(np.array_equal(arrays[key], local.arrays.get(key, arrays[key])) for key in SCALING):
-        raise ValueError("local wear and surrogate do not scale the groups in the same way")
     return {**rates[0], "local": rates[1:]}, {**arrays, **local.arrays}
