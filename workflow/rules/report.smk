@@ -13,12 +13,15 @@ TABLE_FILES = {
     "scores": rules.scores.output.scores,
     "comparison": rules.scores.output.comparison,
     "beside_paper": rules.scores.output.beside_paper,
+    "error_by_region": rules.scores.output.by_region,
     "power_law": rules.fit_physical.output.exponents,
     "exponents": rules.exponents.output[0],
     "targets": rules.reach.output.targets,
     "extrapolation": rules.reach.output.extrapolation,
     "sobol": rules.sensitivity.output.indices,
     "calibration": rules.intervals.output.calibration,
+    "coverage": rules.intervals.output.regions,
+    **({"fresh_coverage": FRESH_COVERAGE[0]} if TESTED_WITH else {}),
     **({"failures": rules.failures.output} if SIMULATED else {}),
 }
 
@@ -125,6 +128,8 @@ rule findings:
         falls=rules.sensitivity.output.falls,
         exponents=rules.exponents.output[0],
         comparison=rules.scores.output.comparison,
+        by_region=rules.scores.output.by_region,
+        fresh=FRESH_SUMMARY[0] if TESTED_WITH else [],
         noise=NOISE_SUMMARY,
         speed=rules.speed_up.output[0] if SIMULATED else [],
     output:
@@ -151,6 +156,7 @@ rule model_card:
     input:
         surrogate=rules.surrogate.output.model,
         intervals=rules.intervals.output.summary,
+        regions=rules.intervals.output.regions,
         failures=FAILURES if SIMULATED else [],
     output:
         card=f"{RESULTS}/models/model_card.json",

@@ -644,6 +644,13 @@ class Learning(Section):
         ge=100,
         le=1_000_000,
     )
+    fresh_blocks: int = _key(
+        0,
+        "Blocks of cases simulated for the test of the prediction intervals alone, and seen by no "
+        "model; 0: none. Two blocks of 100 cases tell shares of regions apart.",
+        ge=0,
+        le=1000,
+    )
     penalised: Penalised = Field(default_factory=Penalised, description="Lasso and ridge.")
     selection: Selection = Field(
         default_factory=Selection, description="Selection of the input features of the networks."

@@ -7,7 +7,9 @@ start_job(snakemake)
 from abradem.learning.model_files import write_stage
 from abradem.learning.physical.distil import Settings, evaluate_surrogate, surrogate_of
 from abradem.learning.physical.gaussian_process import GaussianProcess
+from abradem.learning.physical.intervals import Conformal
 from abradem.learning.physical.local_wear import LocalWear, with_local_wear, with_meaning
+from abradem.learning.physical.noise_terms import terms
 from abradem.learning.physical.problem import problem
 from abradem.learning.physical.training_domain import with_domain
 from abradem.store.files import read_arrays, read_json
@@ -18,11 +20,11 @@ jet = jet_of(snakemake.params.setup)
 given = problem(read_table(snakemake.input.dataset), jet, **snakemake.params.table)
 settings = Settings(**snakemake.params.settings)
 results = evaluate_surrogate(given, settings, **snakemake.params.splits)
-process = GaussianProcess.of(read_arrays(snakemake.input.process))
+process = GaussianProcess.of(read_arrays(snakemake.input.process), terms)
 model = surrogate_of(
     given,
     process,
-    read_json(snakemake.input.intervals)["scores"],
+    Conformal.of(read_json(snakemake.input.intervals), read_table(snakemake.input.errors)),
     settings,
     results,
     **snakemake.params.options,

@@ -15,10 +15,9 @@ import numpy as np
 import pandas as pd
 
 from abradem.learning.physical.distil import Settings, distil
-from abradem.learning.physical.intervals import INNER_FOLDS
+from abradem.learning.physical.intervals import INNER_FOLDS, conformal_of, held_out
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import WearProblem, problem
-from abradem.learning.protocols import folds
 from abradem.learning.scores import has_spread, score
 from abradem.quantities import wear_column, wear_parts
 from abradem.surrogate.groups import Jet
@@ -115,25 +114,18 @@ def _one(
     """Description and arrays of one wear rate."""
     rows = np.arange(len(given.log_number))
     process = fitted(makers(seed)[PROCESS], given, rows)
-    mean, deviation = _held_out(given, fold_count, seed)
-    arrays, error = distil(process, given, settings, seed)
+    held = held_out(given, rows, fold_count, seed)
+    conformal = conformal_of(given, rows, held)
+    arrays, error = distil(process, given, settings, seed, conformal.scale)
     actual = given.table.target
     return {
         "target": {"name": given.table.target_name, "unit": given.table.unit},
         "training_rows": len(rows),
         "raised": given.raised,
         "distillation_error": error,
-        "held_out": score(actual, given.wear(rows, mean), float(actual.min())),
-    }, {**arrays, "conformal": np.sort(np.abs(given.log_number - mean) / deviation)}
-
-
-def _held_out(given: WearProblem, fold_count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and deviation (n,) that the process predicts for rows that it did not see."""
-    mean, deviation = np.empty((2, len(given.log_number)))
-    for train, test in folds(given.table.groups, fold_count, seed):
-        process = fitted(makers(seed)[PROCESS], given, train)
-        mean[test], deviation[test] = process.predict_with_deviation(given.groups[test])
-    return mean, deviation
+        "error_scale": conformal.scale.describe(),
+        "held_out": score(actual, given.wear(rows, held.mean), float(actual.min())),
+    }, {**arrays, "conformal": conformal.scores}
 
 
 def with_meaning(
