@@ -59,6 +59,18 @@ MALFORMED = {
         "study: a\ndataset:\n  columns: {plate_angle: slope}\n",
         'config.yaml: dataset.columns: {plate_angle: "slope"}: requires a table in dataset.external',
     ),
+    "jet_of_no_table": (
+        "study: a\ndataset:\n  jet: stated\n",
+        'config.yaml: dataset.jet: "stated": requires a table in dataset.external',
+    ),
+    "target_of_no_table": (
+        "study: a\ndataset:\n  target: stated\n",
+        'config.yaml: dataset.target: "stated": requires a table in dataset.external',
+    ),
+    "jet_in_another_word": (
+        "study: a\ndataset:\n  external: t.csv\n  jet: known\n",
+        'config.yaml: dataset.jet: "known": is unknown (allowed stated, unknown)',
+    ),
     "column_that_is_no_name": (
         "study: a\ndataset:\n  external: t.csv\n  columns: {plate_angle: 3}\n",
         "config.yaml: dataset.columns: {plate_angle: 3}: plate_angle: must be a column name, or [column, unit] (allowed {name: column} or {name: [column, unit]})",

@@ -62,12 +62,15 @@ AFTER_SCORES = {
     **each("scores", "figure_models", "figure_distributions", "summary", "latex", "findings"),
     **OF_COMPARISON, "table": 3,
 }  # fmt: skip
-PHYSICAL = each("fit_physical", "intervals", "surrogate", "sensitivity", "reach", "findings")
+PHYSICAL = each(
+    "fit_physical", "intervals", "local_wear", "surrogate", "sensitivity", "reach", "findings",
+)  # fmt: skip
 TRAINING = {
     **each("linear", "penalised", "pca", "selection", "trees"), "ga_ann": 2, **PHYSICAL,
 }  # fmt: skip
 LEARNING = {
-    **TRAINING, **OF_LEARNING, **each("scores", "exponents", "summary", "latex"), "table": 13,
+    **TRAINING, **OF_LEARNING, **each("scores", "exponents", "summary", "latex", "model_card"),
+    "table": 13,
 }  # fmt: skip
 AFTER_DATASET = {
     **LEARNING, **each("figure_quality", "noise_floor", "speed_up", "all"), "table": 14,
@@ -314,7 +317,7 @@ def test_files_for_paraview_are_made_on_demand(project):
 # Jobs that rerun after an edit of the code
 
 
-WORDS = {**FIGURES, **each("latex", "findings", "summary")}
+WORDS = {**FIGURES, **each("latex", "findings", "summary", "model_card")}
 """What shows labels of quantities, groups, models or protocols."""
 
 SOURCES = "src/abradem"
@@ -339,6 +342,7 @@ SOURCES = "src/abradem"
         ("workflow/scripts/figures/figure.py", FIGURES),
         (f"{SOURCES}/report/latex.py", each("latex")),
         (f"{SOURCES}/report/findings.py", each("findings")),
+        (f"{SOURCES}/report/model_card.py", each("model_card")),
         (f"{SOURCES}/report/summary.py", each("summary", "latex")),
         # Models.
         (f"{SOURCES}/learning/baselines/linear.py", {

@@ -14,11 +14,13 @@ from abradem.config import (
     rate_options,
     setup_dict,
     target_dict,
+    jet_is_known,
     to_yaml,
     typical_case,
 )
 from abradem.dataset.variation import nothing_varies
 from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS, SURFACE
+from abradem.publish.description import LICENCE
 from abradem.quantities import wear_parts
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash

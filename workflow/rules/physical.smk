@@ -15,6 +15,7 @@ JET = {
         "patch_width",
     )
 }
+DISTILLED = SURROGATE.model_dump(include={"points", "hidden", "epochs"})
 FAMILIES = {
     "boosting": {"trees": PHYSICAL.boosting_trees, "depth": PHYSICAL.boosting_depth},
     "networks": {"members": PHYSICAL.networks, "steps": PHYSICAL.network_steps},
@@ -109,6 +110,34 @@ rule intervals:
         "../scripts/physical/intervals.py"
 
 
+rule local_wear:
+    """Models of the wear at other places of the plate, for the surrogate."""
+    input:
+        rules.dataset.output,
+    output:
+        local=f"{RESULTS}/learning/local_wear.json",
+        local_arrays=f"{RESULTS}/learning/local_wear.safetensors",
+    log:
+        f"{LOGS}/local_wear.log",
+    conda:
+        "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(LEARNING_MB),
+        runtime=growing(LEARNING_MINUTES),
+    params:
+        setup=JET,
+        table=LEARNED_FROM,
+        settings=DISTILLED,
+        options={
+            "fold_count": PHYSICAL.interval_folds,
+            "seed": CONFIG.seed,
+            "element_size": TARGET["element_size"],
+        },
+        code=code_of("physical/local_wear"),
+    script:
+        "../scripts/physical/local_wear.py"
+
+
 rule surrogate:
     """The surrogate for `abradem predict`, and its scores."""
     input:
@@ -116,6 +145,8 @@ rule surrogate:
         process=rules.fit_physical.output.process_arrays,
         intervals=rules.intervals.output.summary,
         errors=rules.intervals.output.scores,
+        local=rules.local_wear.output.local,
+        local_arrays=rules.local_wear.output.local_arrays,
     output:
         model=report(
             f"{RESULTS}/models/surrogate.json",
@@ -136,13 +167,14 @@ rule surrogate:
     params:
         setup=JET,
         table=LEARNED_FROM,
-        settings=SURROGATE.model_dump(include={"points", "hidden", "epochs"}),
+        settings=DISTILLED,
         splits=SPLITS,
         options={
             "confidence": LEARNING.confidence,
             "seed": CONFIG.seed,
             "element_size": TARGET["element_size"],
         },
+        meaning={"jet_known": jet_is_known(CONFIG), "target_known": TARGET["known"]},
         code=code_of("physical/surrogate"),
     script:
         "../scripts/physical/surrogate.py"

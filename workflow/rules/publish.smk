@@ -35,6 +35,7 @@ rule published_folder:
         rules.reach.output,
         rules.noise_floor.output,
         rules.findings.output,
+        rules.model_card.output,
         (
             [
                 *batch_paths(rules.simulate.output.series),

@@ -62,6 +62,7 @@ rule documents:
         expand(f"{RESULTS}/tables/{{table}}.csv", table=TABLE_FILES),
         f"{RESULTS}/summary.json",
         f"{RESULTS}/models/findings.html",
+        f"{RESULTS}/models/model_card.html",
         f"{RESULTS}/config.yaml",
         f"{RESULTS}/versions.json",
         expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
@@ -144,10 +145,40 @@ rule findings:
         "../envs/abradem.yaml"
     params:
         table=CONFIG.study,
-        target=TARGET if SIMULATED else None,
+        target=TARGET if TARGET["known"] else None,
         code=code_of("report/findings"),
     script:
         "../scripts/report/findings.py"
+
+
+rule model_card:
+    """Use, jet, targets, ranges, scores and coverage of the surrogate."""
+    input:
+        surrogate=rules.surrogate.output.model,
+        intervals=rules.intervals.output.summary,
+        regions=rules.intervals.output.regions,
+        failures=FAILURES if SIMULATED else [],
+    output:
+        card=f"{RESULTS}/models/model_card.json",
+        page=report(
+            f"{RESULTS}/models/model_card.html",
+            caption="../report/model_card.rst",
+            category="Models",
+            labels={"model": "surrogate", "content": "model card"},
+        ),
+    log:
+        f"{LOGS}/model_card.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        said={
+            "ranges": sampled_ranges(CONFIG) if SIMULATED else None,
+            "software": abradem.__version__,
+            "licence": LICENCE if SIMULATED else None,
+        },
+        code=code_of("report/model_card"),
+    script:
+        "../scripts/report/model_card.py"
 
 
 rule latex:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     )
     from abradem.config.reference import documentation, schema
     from abradem.config.values import (
+        jet_is_known,
         rate_options,
         sampled_ranges,
         setup_dict,
@@ -50,6 +51,7 @@ _LAZY = {
     "schema": "reference",
     "setup_dict": "values",
     "target_dict": "values",
+    "jet_is_known": "values",
     "to_yaml": "values",
     "typical_case": "values",
 }
@@ -60,6 +62,7 @@ __all__ = [
     "ConfigError",
     "documentation",
     "geometry_ranges",
+    "jet_is_known",
     "load_config",
     "origin_in_files",
     "rate_options",

@@ -1000,6 +1000,9 @@ _SEARCH_SCHEMA = WithJsonSchema(
 )
 
 
+STATED, UNKNOWN = "stated", "unknown"
+
+
 class Dataset(Section):
     """Your own table instead of simulations."""
 
@@ -1014,6 +1017,17 @@ class Dataset(Section):
         "Column of the table for each quantity with a different column name, or [column, unit] if "
         "the unit differs too. The names and units of the published table of the paper are known.",
         allowed="{name: column} or {name: [column, unit]}",
+    )
+    jet: Literal["stated", "unknown"] = _key(
+        UNKNOWN,
+        "Whether simulation.plate, simulation.factory (feed, patch, fall height) and "
+        "simulation.gravity are those of the table. Unknown: the models use them as a reference "
+        "alone, and the surrogate says so.",
+    )
+    target: Literal["stated", "unknown"] = _key(
+        UNKNOWN,
+        "Whether learning.target says what the wear rate of the table is: its measure and its "
+        "place on the plate. Unknown: figures and predictions do not name them.",
     )
 
 
