@@ -18,6 +18,7 @@ from abradem.cli.given_values import (
     given_values,
     say_preset,
 )
+from abradem.cli.predict_map import check_map_path, predict_map
 from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
 from abradem.learning.number_text import number_or_words
 from abradem.quantities import SAMPLED
@@ -89,6 +90,12 @@ def add_parser(commands) -> None:
         help="write the table with predictions, .csv or .parquet; default: print it as CSV",
     )
     parser.add_argument(
+        "--map",
+        type=Path,
+        metavar="FILE",
+        help="also write the predicted wear map of the plate: .png, .pdf, .svg, .parquet or .csv",
+    )
+    parser.add_argument(
         "--onnx", type=Path, metavar="FILE", help="write the surrogate as ONNX (extra: onnx)"
     )
     parser.set_defaults(run=run)
@@ -98,10 +105,13 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return the exit code."""
     if options.output is not None and options.table is None:
         raise PredictionError("--output needs --table FILE")
+    if options.map is not None:
+        check_map_path(options.map, options.table)
     given = given_values(options.values, options.material)
     depth = None if options.depth is None else depth_mm(options.depth)
     level = None if options.confidence is None else confidence_level(options.confidence)
-    surrogate = Surrogate.load(options.model or default_model())
+    model = options.model or default_model()
+    surrogate = Surrogate.load(model)
     if options.onnx:
         from abradem.surrogate.onnx import export_onnx
 
@@ -117,6 +127,8 @@ def run(options: argparse.Namespace) -> int:
         predict_table(surrogate, given, options.table, options.output, depth, level)
         return 0
     _predict_case(surrogate, given, depth, level)
+    if options.map is not None:
+        print(predict_map(model, given.values, options.map))
     return 0
 
 
