@@ -24,6 +24,9 @@ from abradem.surrogate.model import Surrogate
 JET = Jet(0.385, 9.81, 42.0, None, 0.09, 0.09, "arc", 0.235)
 PRESETS = {"granite": {"particle_density": 2650.0, "restitution": 0.5}}
 TARGET = "wear_friction_p99"
+PATIENCE = 600
+"""Longest time, s, to wait for the browser."""
+
 ROOMS = {"desktop": (1366, 768), "phone": (390, 844)}
 
 
@@ -95,7 +98,9 @@ def browser(page):
     if driver_path is None:
         pytest.skip("no chromedriver is installed")
     from selenium import webdriver
+    from selenium.webdriver.chrome.remote_connection import ChromeRemoteConnection
     from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.remote.client_config import ClientConfig
 
     options = webdriver.ChromeOptions()
     for word in (
@@ -105,29 +110,39 @@ def browser(page):
     ):  # fmt: skip
         options.add_argument(f"--{word}")
     options.binary_location = shutil.which("chromium") or ""
+    options.timeouts = {"script": 1000 * PATIENCE}
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = webdriver.Chrome(options=options, service=Service(driver_path))
+    service = Service(driver_path)
+    service.start()
+    driver = None
     try:
+        # A busy machine may need minutes to start a browser.
+        url = service.service_url
+        client = ClientConfig(remote_server_addr=url, timeout=PATIENCE)
+        connection = ChromeRemoteConnection(remote_server_addr=url, client_config=client)
+        driver = webdriver.Remote(command_executor=connection, options=options)
+        driver.set_page_load_timeout(PATIENCE)
         show(driver, "desktop")
         driver.get(page.as_uri())
         settle(driver)
         yield driver
     finally:
-        driver.quit()
+        if driver is not None:
+            driver.quit()
+        service.stop()
 
 
 def show(driver, room):
     """Give the page the size of a screen."""
     width, height = ROOMS[room]
-    driver.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride",
-        {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": room == "phone"},
-    )
+    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": room == "phone"}
+    command = {"cmd": "Emulation.setDeviceMetricsOverride", "params": screen}
+    driver.execute("executeCdpCommand", command)
 
 
 def settle(driver, before=0):
     """Wait until all was drawn again, and return how often it was."""
-    for _ in range(200):
+    for _ in range(10 * PATIENCE):
         drawn = int(driver.execute_script("return document.body.dataset.drawn ?? 0"))
         if drawn > before:
             return drawn
@@ -142,6 +157,10 @@ def type_value(driver, name, text):
     field.send_keys(Keys.CONTROL, "a")
     field.send_keys(text, Keys.ENTER)
     return field
+
+
+def log(driver, kind):
+    return driver.execute("getLog", {"type": kind})["value"]
 
 
 def drawn_so_far(driver):
@@ -307,10 +326,10 @@ def test_the_page_fits_the_screen(browser, room, tmp_path):
 
 def test_nothing_leaves_the_page_and_nothing_goes_wrong(browser):
     """Last, as it reads the log of all that was done before."""
-    wrong = [one["message"] for one in browser.get_log("browser") if one["level"] != "INFO"]
+    wrong = [one["message"] for one in log(browser, "browser") if one["level"] != "INFO"]
     assert wrong == []
     asked = []
-    for one in browser.get_log("performance"):
+    for one in log(browser, "performance"):
         message = json.loads(one["message"])["message"]
         if message["method"] == "Network.requestWillBeSent":
             asked.append(message["params"]["request"]["url"])

@@ -10,8 +10,8 @@ A study writes its map surrogate to ``wear_maps.json`` and ``wear_maps.safetenso
 with the scale s of the wear (`abradem.surrogate.groups.wear_scale`), the wear number N of the mean
 over the plate and the *shape* p of the map, whose mean is 1. The modes phi are those of a proper
 orthogonal decomposition of ln(p + f) (Lumley 1967; Sirovich 1987, Q. Appl. Math. 45:561). The floor
-f makes elements without wear finite. Groups beyond those of the training cases are set to the
-nearest of them, as a polynomial grows without bound.
+f, in means over the plate, makes elements without wear finite. Groups beyond those of the training
+cases are set to the nearest of them, as a polynomial grows without bound.
 
 The map is that of a long time: it lacks the noise of the window of a simulation, whose worst
 element is worn faster.

@@ -128,6 +128,15 @@ def test_too_few_maps_are_refused(given):
         wear_maps(given, maps, PLATE, "total", **SPLITS)
 
 
+def test_the_possible_score_is_the_share_of_the_variance_that_is_no_scatter():
+    rng = np.random.default_rng(0)
+    signal = 0.5 * rng.standard_normal((400, 6, 1)) * np.ones((1, 1, 8))
+    shape = 1.0 + signal + 0.25 * rng.standard_normal((400, 6, 8))
+    expected = 0.5**2 / (0.5**2 + 0.25**2)
+    assert module.possible_shape_r2(shape) == pytest.approx(expected, abs=0.03)
+    assert np.isnan(module.possible_shape_r2(np.ones((3, 4, 1))))
+
+
 def test_scores_of_known_maps():
     actual = np.full((2, 4, 4), 1.0)
     actual[0, 1, 1], actual[1, 2, 0] = 3.0, 5.0

@@ -14,8 +14,9 @@ fit: e_i = r_i / (1 - h_ii) with the residual r and the hat matrix h (Allen 1974
 16:125; Golub, Heath and Wahba 1979, Technometrics 21:215).
 
 The maps are scored on the test cases of the study's splits, against the simulated maps with all
-their noise. Beside the model, `MEAN_SHAPE` has the same mean over the plate and the mean shape of
-the training cases: what knowing the case adds to the shape is the difference between both.
+their scatter, which the halves of the plate tell (`possible_shape_r2`). Beside the model,
+`MEAN_SHAPE` has the same mean over the plate and the mean shape of the training cases: what knowing
+the case adds to the shape is the difference between both.
 """
 
 from __future__ import annotations
@@ -37,10 +38,11 @@ from abradem.units import MM_PER_M
 MODES = 8
 """Largest number of modes; those that the groups do not explain get coefficients near 0."""
 
-FLOOR = 0.1
-"""f of ln(shape + f), a share of the mean over the plate: wear below it hardly counts."""
+FLOOR = 1.0
+"""f of ln(shape + f), in means over the plate. The map of a window of seconds scatters widely, and
+the logarithm of a smaller floor would make much of elements that few particles met."""
 
-PENALTIES = 10.0 ** np.arange(-2.0, 5.0, 0.5)
+PENALTIES = 10.0 ** np.arange(-2.0, 7.5, 0.5)
 """Penalties of the ridge regression, on standardised terms."""
 
 FEWEST_CASES = 4
@@ -51,6 +53,7 @@ MODEL, MEAN_SHAPE = MODELS = ("wear_maps", "mean_shape")
 UNITS = {
     "map_R2": "1",
     "shape_R2": "1",
+    "shape_R2_possible": "1",
     "maximum_R2_log": "1",
     "maximum_ratio": "1",
     "place_distance": "mm",
@@ -269,7 +272,8 @@ def map_scores(
     -------
     dict of str to float
         ``map_R2``: R2 of the depth rates (mm/s) of all elements of all cases. ``shape_R2``: of
-        the maps divided by their means. ``maximum_R2_log``: of the logarithm of the depth
+        the maps divided by their means. ``shape_R2_possible``: the same for a model without error,
+        see `possible_shape_r2`. ``maximum_R2_log``: of the logarithm of the depth
         rate of the worst element. ``maximum_ratio``: median of predicted over simulated worst
         element. ``place_distance``: median distance between the worst elements, mm.
     """
@@ -280,10 +284,35 @@ def map_scores(
     return {
         "map_R2": r2(*(maps.ravel() for maps in rates)),
         "shape_R2": r2(simulated.ravel(), given.ravel()),
+        "shape_R2_possible": possible_shape_r2(simulated),
         "maximum_R2_log": r2(np.log(worst), np.log(found)),
         "maximum_ratio": middle_of(found / worst),
         "place_distance": middle_of(_apart(actual, predicted, plate)),
     }
+
+
+def possible_shape_r2(shape: np.ndarray) -> float:
+    """R2 of the shape of maps that a model without error would reach, estimated from the maps.
+
+    What a map and its mirror image have in common is not scatter, as slope, feed and plate are
+    symmetric about the middle of the width. With independent scatter of both halves, the share of
+    the variance that is no scatter is cov(p, p mirrored) / var(p), the split-half reliability of
+    the halves (Spearman 1910, Br. J. Psychol. 3:271).
+
+    Parameters
+    ----------
+    shape : ndarray, shape (n, nx, nz)
+        Maps divided by their means.
+
+    Returns
+    -------
+    float
+        nan if the plate has a single element across, or all maps are even.
+    """
+    half = shape.shape[2] // 2
+    one, other = shape[:, :, :half] - 1.0, shape[:, :, ::-1][:, :, :half] - 1.0
+    power = float(np.sum(one**2) + np.sum(other**2))
+    return 2.0 * float(np.sum(one * other)) / power if power > 0.0 else np.nan
 
 
 def _apart(actual: np.ndarray, predicted: np.ndarray, plate: Plate) -> np.ndarray:

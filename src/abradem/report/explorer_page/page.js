@@ -222,7 +222,7 @@
     const place = `x = ${short(x[Math.floor(worst / nz)], 3)} mm`;
     at("map").setAttribute("aria-label", `Wear map: mean ${short(average)} mm/s, most worn at ${place}`);
     at("map-note").textContent =
-      `Mean ${short(average)} mm/s; most worn element ${short(largest)} mm/s at ${place}. Without the noise of a simulation, so that its extremes are smaller than simulated ones.` +
+      `Mean ${short(average)} mm/s; most worn element ${short(largest)} mm/s at ${place}. It is the wear of a long time; that of a simulation of seconds scatters about it and has larger extremes.` +
       quality();
     const header = element("tr", {}, element("th", { textContent: "x \\ z (mm)" }),
       ...z.map((one) => element("th", { textContent: short(one, 4) })));
@@ -232,9 +232,9 @@
   }
 
   function quality() {
-    const { shape_R2: shape, place_distance: distance } = Model.maps.scores;
-    if (shape === undefined || distance === undefined) return "";
-    return ` On held-out cases the shape has R² ${short(shape, 2)}, and the most worn element is ${short(distance, 2)} mm from the simulated one (medians).`;
+    const { shape_R2: shape, shape_R2_possible: possible, maximum_ratio: ratio } = Model.maps.scores;
+    if ([shape, possible, ratio].includes(undefined)) return "";
+    return ` On held-out cases: R² of the shape ${short(shape, 2)}, where the scatter of the simulations allows ${short(possible, 2)}; most worn element ${short(ratio, 2)} of the simulated one.`;
   }
 
   // ---- Curves ----
