@@ -69,11 +69,12 @@ TRAINING = {
     **each("linear", "penalised", "pca", "selection", "trees"), "ga_ann": 2, **PHYSICAL,
 }  # fmt: skip
 LEARNING = {
-    **TRAINING, **OF_LEARNING, **each("scores", "exponents", "summary", "latex", "model_card"),
-    "table": 13,
+    **TRAINING, **OF_LEARNING,
+    **each("scores", "exponents", "summary", "latex", "model_card", "explorer"), "table": 13,
 }  # fmt: skip
 AFTER_DATASET = {
-    **LEARNING, **each("figure_quality", "noise_floor", "speed_up", "all"), "table": 14,
+    **LEARNING, **each("figure_quality", "noise_floor", "speed_up", "wear_maps", "all"),
+    "table": 14,
 }  # fmt: skip
 AFTER_WEAR_RATES = {**each("failures", "dataset"), **AFTER_DATASET}
 AFTER_SIMULATION = {"wear_rates": BATCHES, **AFTER_WEAR_RATES, **OF_SIMULATIONS}
@@ -317,7 +318,7 @@ def test_files_for_paraview_are_made_on_demand(project):
 # Jobs that rerun after an edit of the code
 
 
-WORDS = {**FIGURES, **each("latex", "findings", "summary", "model_card")}
+WORDS = {**FIGURES, **each("latex", "findings", "summary", "model_card", "explorer")}
 """What shows labels of quantities, groups, models or protocols."""
 
 SOURCES = "src/abradem"
@@ -344,6 +345,8 @@ SOURCES = "src/abradem"
         (f"{SOURCES}/report/findings.py", each("findings")),
         (f"{SOURCES}/report/model_card.py", each("model_card")),
         (f"{SOURCES}/report/summary.py", each("summary", "latex")),
+        (f"{SOURCES}/report/explorer.py", each("explorer")),
+        (f"{SOURCES}/learning/physical/wear_maps.py", each("wear_maps", "explorer")),
         # Models.
         (f"{SOURCES}/learning/baselines/linear.py", {
             **AFTER_SCORES, "linear": 1, **OF_LINEAR, "table": 5,
@@ -681,6 +684,7 @@ def test_models_killed_in_their_training_and_trained_on_one_core_are_the_same(pr
     before = content()
     again = [
         "linear", "penalised", "pca", "trees", "ga_ann", "fit_physical", "intervals", "surrogate",
+        "wear_maps",
     ]  # fmt: skip
     with subprocess.Popen(
         project.command("learning", "--forcerun", *again, "--cores", "2"),

@@ -18,10 +18,12 @@ from abradem.config import (
     to_yaml,
     typical_case,
 )
+from abradem.config.materials import PARTICLE_MATERIALS, preset
 from abradem.dataset.variation import nothing_varies
 from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS, SURFACE
 from abradem.publish.description import LICENCE
 from abradem.quantities import wear_parts
+from abradem.report.explorer_parts import FILES as EXPLORER_FILES
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
 from abradem.running.memory import killed_for_memory, memory_kills

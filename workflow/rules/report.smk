@@ -63,6 +63,7 @@ rule documents:
         f"{RESULTS}/summary.json",
         f"{RESULTS}/models/findings.html",
         f"{RESULTS}/models/model_card.html",
+        f"{RESULTS}/explorer.html",
         f"{RESULTS}/config.yaml",
         f"{RESULTS}/versions.json",
         expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
@@ -179,6 +180,37 @@ rule model_card:
         code=code_of("report/model_card"),
     script:
         "../scripts/report/model_card.py"
+
+
+rule explorer:
+    """The explorer, a page that predicts wear while sliders are moved."""
+    input:
+        dataset=rules.dataset.output[0],
+        model=rules.surrogate.output.model,
+        model_arrays=rules.surrogate.output.model_arrays,
+        maps=rules.wear_maps.output.model if SIMULATED else [],
+        map_arrays=rules.wear_maps.output.model_arrays if SIMULATED else [],
+    output:
+        report(
+            f"{RESULTS}/explorer.html",
+            caption="../report/explorer.rst",
+            category="Models",
+            labels={"model": "surrogate", "content": "explorer"},
+        ),
+    log:
+        f"{LOGS}/explorer.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={
+            "study": CONFIG.study,
+            "presets": {name: preset(name) for name in PARTICLE_MATERIALS},
+        },
+        # The parts of the page are no modules.
+        parts=files_hash(*EXPLORER_FILES),
+        code=code_of("report/explorer"),
+    script:
+        "../scripts/report/explorer.py"
 
 
 rule latex:

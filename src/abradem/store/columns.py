@@ -386,6 +386,14 @@ MAP_RATES = {
 """Map of a case of one's own, `abradem.cli.case_files`."""
 
 
+PREDICTED_MAP = {
+    "x": Column("mm", "centre of the element along the slope, from the centre of the plate"),
+    "z": Column("mm", "centre of the element across the slope, from the centre of the plate"),
+    "depth_rate": Column("mm/s", "wear depth rate of the element that the map surrogate predicts"),
+}
+"""Map of `abradem predict --map`, `abradem.cli.predict_map`."""
+
+
 PREDICTED = {
     "wear_depth_rate": Column("mm/s", "wear depth rate that the surrogate predicts"),
     "wear_depth_rate_lower": Column("mm/s", "lower end of its interval"),
