@@ -20,6 +20,7 @@ from abradem.config import (
 )
 from abradem.config.materials import PARTICLE_MATERIALS, preset
 from abradem.dataset.variation import nothing_varies
+from abradem.figures.captions import caption_in_rst
 from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS, SURFACE
 from abradem.publish.description import LICENCE
 from abradem.quantities import wear_parts
@@ -197,6 +198,9 @@ def beside(output, name):
     return str(Path(output).parents[1] / name)
 
 
+# The page of a table in the report, without the table.
+TABLE_PAGE = file_of_workflow("workflow/report/table.html")
+
 VERIFICATION_CHECKS = Path("results/verification/checks.parquet")
 VERIFICATION_MADE = VERIFICATION_CHECKS.is_file()
 # Written by benchmarks/cost.py.
@@ -224,6 +228,10 @@ def is_made(name):
     )
 
 
+# Names of the formats in the report, which shows the first one by the alphabet.
+REPORT_FORMATS = {"png": "image", "pdf": "print (PDF)"}
+
+
 def figure_file(name, suffix):
     """The file of a figure in one format, with its entry in the report."""
     entry = FIGURES[name]
@@ -232,7 +240,7 @@ def figure_file(name, suffix):
         caption="../report/caption.rst",
         category="Figures",
         subcategory=entry.group,
-        labels={"figure": entry.label, "format": suffix},
+        labels={"figure": name, "format": REPORT_FORMATS.get(suffix, suffix)},
     )
 
 
@@ -391,8 +399,11 @@ MONITOR = Monitor(Path(RESULTS, ".finished"))
 
 # Content of the overview of the report, available once the results exist. Its texts are escaped, as
 # templates put them into reStructuredText.
+OVERVIEW = Path(RESULTS, "overview.html")
 SUMMARY = Path(RESULTS, "summary.json")
 VERSIONS = Path(RESULTS, "versions.json")
+config["caption_of"] = caption_in_rst
+config["overview"] = str(OVERVIEW) if OVERVIEW.is_file() else ""
 config["summary"] = data_for_rst(read_if_sound(SUMMARY))
 config["recorded"] = data_for_rst(read_if_sound(VERSIONS))
 config["run_times"] = data_for_rst(run_times(Path(RESULTS, "benchmarks")))

@@ -3,9 +3,9 @@ if not IN_MODULE:
     report: "../report/workflow.rst"
 
 
-# Tables that the report contains as text, see abradem.report.tables. The Parquet files are the
-# data.
+# Tables that the report shows, see abradem.report.tables. The Parquet files are the data.
 TABLE_FILES = {
+    "dataset": rules.dataset.output[0],
     "linear_coefficients": rules.linear.output.coefficients,
     "linear_published": rules.linear.output.published,
     "penalised_weights": rules.penalised.output.weights,
@@ -22,7 +22,7 @@ TABLE_FILES = {
     "calibration": rules.intervals.output.calibration,
     "coverage": rules.intervals.output.regions,
     **({"fresh_coverage": FRESH_COVERAGE[0]} if TESTED_WITH else {}),
-    **({"failures": rules.failures.output} if SIMULATED else {}),
+    **({"failures": rules.failures.output[0]} if SIMULATED else {}),
 }
 
 
@@ -57,10 +57,10 @@ localrules:
 
 
 rule documents:
-    """Target: tables, findings, numbers for LaTeX, configuration and versions."""
+    """Target: overview, tables, findings, numbers for LaTeX, configuration and versions."""
     input:
+        f"{RESULTS}/overview.html",
         expand(f"{RESULTS}/tables/{{table}}.csv", table=TABLE_FILES),
-        f"{RESULTS}/summary.json",
         f"{RESULTS}/models/findings.html",
         f"{RESULTS}/models/model_card.html",
         f"{RESULTS}/explorer.html",
@@ -70,12 +70,14 @@ rule documents:
 
 
 rule table:
-    """A table as text, for the report."""
+    """A table as text, and as a page for the report."""
     input:
-        lambda wildcards: TABLE_FILES[wildcards.table],
+        table=lambda wildcards: TABLE_FILES[wildcards.table],
+        template=TABLE_PAGE,
     output:
-        report(
-            f"{RESULTS}/tables/{{table}}.csv",
+        text=f"{RESULTS}/tables/{{table}}.csv",
+        page=report(
+            f"{RESULTS}/tables/{{table}}.html",
             caption="../report/table.rst",
             category="Tables",
             labels={"table": "{table}"},
@@ -114,6 +116,27 @@ rule summary:
         code=code_of("report/summary"),
     script:
         "../scripts/report/summary.py"
+
+
+rule overview:
+    """The first screen of the report, also a page of its own."""
+    input:
+        summary=rules.summary.output[0],
+        comparison=rules.scores.output.comparison,
+        noise=NOISE_SUMMARY,
+        picture=f"{RESULTS}/figures/comparison.png",
+        template=file_of_workflow("workflow/report/overview.html"),
+    output:
+        OVERVIEW,
+    log:
+        f"{LOGS}/overview.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={"study": CONFIG.study, "confidence": LEARNING.confidence},
+        code=code_of("report/overview"),
+    script:
+        "../scripts/report/overview.py"
 
 
 rule findings:

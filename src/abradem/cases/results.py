@@ -264,9 +264,10 @@ class CaseResult(SimulationResult):
 
     def _titled(self, figure: Figure) -> Figure:
         """Replace the number of the case by its main quantities."""
-        from abradem.figures.style import title_own_case
+        from abradem.figures.style import title_own_case, write_below
 
         title_own_case(figure.axes[0], vars(self.case))
+        write_below(figure, figure.get_label())
         return figure
 
     def _tables(self) -> dict:

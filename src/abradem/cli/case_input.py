@@ -209,12 +209,14 @@ def say_origins(given: Given, own: OwnSetup, filled: Mapping[str, float]) -> Non
 def load_kernels(stepping: str) -> None:
     """Load the kernels of the engine; say so if they have to be compiled first."""
     from abradem.dem import warm
+    from abradem.dem.cache import is_compiled
 
     begin = time.monotonic()
-    compiles = not warm.is_compiled(stepping)
+    compiles = not is_compiled(stepping)
     if compiles:
         print(
-            "compiling the engine, once for this version of it: half a minute or more",
+            "compiling the engine, once for this version of it on this machine: half a minute or "
+            "more",
             file=sys.stderr,
             flush=True,
         )

@@ -158,7 +158,7 @@ FIGURES: dict[str, Entry] = {
         COMPONENTS,
         "correlations",
         "pca:draw_correlations",
-        "Pearson correlations among X1 to X10 and among X11 to X21 (the wear), all cases. Derived "
+        "Pearson correlations of every pair of X1 to X21 (the wear), all cases. Derived "
         "features are correlated with the features they are functions of.",
         ALL_ROWS,
     ),
@@ -228,9 +228,17 @@ FIGURES: dict[str, Entry] = {
         "models on dimensionless groups",
         "physical:models_figure",
         "Models on dimensionless groups: R² on held-out cases compared with the best that any "
-        "model could reach, coverage of the intervals, R² against the number of training cases, "
-        "Sobol indices, and the power law.",
+        "model could reach, coverage of the intervals, and R² against the number of training "
+        "cases.",
         LEAKAGE_FREE,
+    ),
+    "power_law": Entry(
+        PHYSICAL,
+        "power law",
+        "physical:power_law_figure",
+        "The power law of the wear depth rate on dimensionless groups: its equation, and the "
+        "exponents of the quantities and of some groups.",
+        ALL_ROWS,
     ),
     "sensitivity": Entry(
         PHYSICAL,

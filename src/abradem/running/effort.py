@@ -6,9 +6,15 @@ import os
 
 from abradem.config.declaration import UNKNOWN, Config
 from abradem.config.values import sampled_ranges, setup_dict
+from abradem.dem.cache import is_compiled
 
 SECONDS_PER_JOB = 2.5
 """Start-up time of a job, s: interpreter, imports, loading of compiled code."""
+
+COMPILES = (
+    "after the engine is compiled, once for this version of it on this machine: half a minute or "
+    "more"
+)
 
 _LOOKED_AT = 1000
 """Largest number of cases whose time is estimated; further cases are assumed to be similar."""
@@ -26,7 +32,8 @@ def estimate(config: Config, cores: int | None = None) -> str:
     Returns
     -------
     str
-        The time is estimated by `abradem.sampling.cost.case_seconds`.
+        The time is estimated by `abradem.sampling.cost.case_seconds`. If the engine has not been
+        compiled on this machine, the line says so, as this takes longer than a small study.
     """
     from abradem.sampling.cost import case_seconds
     from abradem.sampling.draw import block_cases
@@ -66,6 +73,7 @@ def estimate(config: Config, cores: int | None = None) -> str:
         f"{config.study}: {_count(config.cases, 'case')} in {_count(sampling.blocks, 'block')}, "
         f"{_count(jobs, 'simulation job')}, simulated in about {_duration(seconds)} on "
         f"{_count(cores, 'core')}"
+        + ("" if is_compiled(config.simulation.stepping) else f", {COMPILES}")
     )
 
 
