@@ -21,7 +21,7 @@ TABLE_FILES = {
     "sobol": rules.sensitivity.output.indices,
     "calibration": rules.intervals.output.calibration,
     "coverage": rules.intervals.output.regions,
-    **({"fresh_coverage": FRESH_COVERAGE[0]} if TESTED_WITH else {}),
+    **({"fresh_coverage": rules.fresh_coverage.output.coverage} if TESTED_WITH else {}),
     **({"failures": rules.failures.output} if SIMULATED else {}),
 }
 

@@ -124,11 +124,7 @@ def run(options: argparse.Namespace) -> int:
     level = None if options.confidence is None else confidence_level(options.confidence)
     surrogate = Surrogate.load(options.model or default_model())
     if not surrogate.description.get("jet_known", True):
-        warn(
-            [
-                "the jet of the table that the model learned from is not known; answers are for it alone"
-            ]
-        )
+        warn(["the jet of the table behind the model is not known; answers are for it alone"])
     if options.onnx:
         from abradem.surrogate.onnx import export_onnx
 
