@@ -175,6 +175,7 @@ rule model_card:
             "ranges": sampled_ranges(CONFIG) if SIMULATED else None,
             "software": abradem.__version__,
             "licence": LICENCE if SIMULATED else None,
+            "confidence": LEARNING.confidence,
         },
         code=code_of("report/model_card"),
     script:
