@@ -191,14 +191,16 @@ def texts_of(table, found):
         "scores": scored.scores,
         "comparison": scored.comparison,
         "beside_paper": scored.beside_paper,
+        "error_by_region": scored.by_region,
         "power_law": found["physical"].exponents,
         "exponents": exponents,
         "targets": found["reach"].targets,
         "extrapolation": found["reach"].extrapolation,
         "sobol": sensitivity_found.indices,
         "calibration": found["intervals"].calibration,
+        "coverage": found["intervals"].regions,
     }
-    assert set(shown) == set(TABLES) - {"failures"}
+    assert set(shown) == set(TABLES) - {"failures", "fresh_coverage"}
     return {
         "findings": to_html("Models", paragraphs),
         "numbers": latex.numbers_tex(latex.study_numbers(cited), NAME),

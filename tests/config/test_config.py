@@ -22,6 +22,7 @@ from abradem.config import (
     declaration,
     documentation,
     explaining,
+    jet_is_known,
     load_config,
     read_config,
     reference,
@@ -63,9 +64,9 @@ MALFORMED = {
         "study: a\ndataset:\n  jet: stated\n",
         'config.yaml: dataset.jet: "stated": requires a table in dataset.external',
     ),
-    "target_of_no_table": (
-        "study: a\ndataset:\n  target: stated\n",
-        'config.yaml: dataset.target: "stated": requires a table in dataset.external',
+    "rate_of_no_table": (
+        "study: a\ndataset:\n  rate: stated\n",
+        'config.yaml: dataset.rate: "stated": requires a table in dataset.external',
     ),
     "jet_in_another_word": (
         "study: a\ndataset:\n  external: t.csv\n  jet: known\n",
@@ -1084,3 +1085,13 @@ def test_the_estimate_is_at_least_the_time_of_the_most_expensive_batch():
     )
     assert seconds_told(config, cores=1) > 1.5 * seconds_told(config, cores=2)
     assert seconds_told(config, cores=100) == pytest.approx(max(alone), rel=0.05)
+
+
+def test_a_table_is_asked_what_it_means():
+    for stated, words in (((), "dataset.jet and dataset.rate unk"), (("jet",), "dataset.rate unk")):
+        given = {"external": "t.csv", **dict.fromkeys(stated, "stated")}
+        assert words in estimate(Config(study="a", dataset=given), 2)
+    known = Config(study="a", dataset={"external": "t.csv", "jet": "stated", "rate": "stated"})
+    assert estimate(known, 2) == "a: learning from t.csv, nothing is simulated"
+    assert jet_is_known(known) and jet_is_known(Config(study="a"))
+    assert not jet_is_known(Config(study="a", dataset={"external": "t.csv"}))

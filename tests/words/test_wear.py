@@ -55,7 +55,7 @@ def test_every_wear_rate_is_the_target_of_the_table_of_quantities():
         ({"learning": {"target": "wear_total_max"}, "dataset": {"external": "t.csv"}},
          ("wear_total_max", None, False)),
         ({"learning": {"target": "wear_total_max"},
-          "dataset": {"external": "t.csv", "target": "stated"}},
+          "dataset": {"external": "t.csv", "rate": "stated"}},
          ("wear_total_max", None, True)),
     ],
 )  # fmt: skip

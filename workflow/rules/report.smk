@@ -21,7 +21,7 @@ TABLE_FILES = {
     "sobol": rules.sensitivity.output.indices,
     "calibration": rules.intervals.output.calibration,
     "coverage": rules.intervals.output.regions,
-    **({"fresh_coverage": FRESH_COVERAGE[0]} if TESTED_WITH else {}),
+    **({"fresh_coverage": rules.fresh_coverage.output.coverage} if TESTED_WITH else {}),
     **({"failures": rules.failures.output[0]} if SIMULATED else {}),
 }
 
@@ -199,6 +199,7 @@ rule model_card:
             "ranges": sampled_ranges(CONFIG) if SIMULATED else None,
             "software": abradem.__version__,
             "licence": LICENCE if SIMULATED else None,
+            "confidence": LEARNING.confidence,
         },
         code=code_of("report/model_card"),
     script:

@@ -133,6 +133,8 @@ def run(options: argparse.Namespace) -> int:
     level = None if options.confidence is None else confidence_level(options.confidence)
     model = options.model or default_model()
     surrogate = Surrogate.load(model)
+    if not surrogate.description.get("jet_known", True):
+        warn(["the jet of the table behind the model is not known; answers are for it alone"])
     if options.onnx:
         from abradem.surrogate.onnx import export_onnx
 

@@ -263,7 +263,7 @@ def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
     if config.dataset.columns and config.dataset.external is None:
         yield ("dataset", "columns"), "requires a table in dataset.external"
     if config.dataset.external is None:
-        for key in ("jet", "target"):
+        for key in ("jet", "rate"):
             if getattr(config.dataset, key) == STATED:
                 yield ("dataset", key), "requires a table in dataset.external"
 

@@ -1024,7 +1024,7 @@ class Dataset(Section):
         "simulation.gravity are those of the table. Unknown: the models use them as a reference "
         "alone, and the surrogate says so.",
     )
-    target: Literal["stated", "unknown"] = _key(
+    rate: Literal["stated", "unknown"] = _key(
         UNKNOWN,
         "Whether learning.target says what the wear rate of the table is: its measure and its "
         "place on the plate. Unknown: figures and predictions do not name them.",

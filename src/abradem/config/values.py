@@ -63,7 +63,7 @@ def target_dict(config: Config) -> dict:
     return {
         "name": config.learning.target,
         "element_size": size / 1000.0 if simulated else None,
-        "known": simulated or config.dataset.target == STATED,
+        "known": simulated or config.dataset.rate == STATED,
     }
 
 

@@ -43,7 +43,7 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
                 if model in rows.index:
                     row, colour = rows.loc[model], style.PROTOCOL_COLOURS[protocol]
                     below |= _interval(panel, row, place + shift, colour, marker)
-                    shown += [unexplained(row[name]) for name in ("r2", "r2_upper")]
+                    shown += [float(unexplained(row[name])) for name in ("r2", "r2_upper")]
         printed = beside_paper["printed_r2"].to_numpy(dtype=float)
         panel.plot(
             unexplained(printed), places - 0.16, "|", ms=8.0, mew=1.6, color=style.BLACK, zorder=3

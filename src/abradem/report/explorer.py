@@ -21,9 +21,10 @@ import pandas as pd
 from abradem.dataset.variation import SAME, held_fixed, scales_of
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
 from abradem.report.explorer_parts import FILES
+from abradem.surrogate.domain import SLACK
 from abradem.surrogate.javascript import group_functions
 from abradem.surrogate.maps import MapSurrogate
-from abradem.surrogate.model import SLACK, Surrogate
+from abradem.surrogate.model import Surrogate
 from abradem.surrogate.parts import NETWORKS
 from abradem.units import accepted, conversion
 from abradem.words.labels import LABELS

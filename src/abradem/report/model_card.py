@@ -15,6 +15,7 @@ from abradem.learning.number_text import (
     UNDETERMINED,
     is_number,
     number_or_words,
+    percentage,
     score_number,
     score_range,
 )
@@ -31,7 +32,7 @@ INTENDED = (
 )
 NOT_INTENDED = (
     "another jet or plate than the one below: feed, patch, fall height and plate are fixed",
-    "cases of which `abradem predict` warns: outside the ranges where it matters, or far from all "
+    "cases of which abradem predict warns: outside the ranges where it matters, or far from all "
     "training cases",
     "the service life of a machine without a measured wear constant: it is an input",
     "particles that are not round, wet or break; plates that bend, heat up or change shape as they "
@@ -52,6 +53,7 @@ def model_card(
     regions: pd.DataFrame | None = None,
     software: str = "",
     licence: str | None = None,
+    confidence: float = 0.95,
 ) -> dict[str, Any]:
     """Content of the model card.
 
@@ -72,6 +74,8 @@ def model_card(
         Version of abradem.
     licence : str, optional
         Of the simulated data; None for a table from elsewhere.
+    confidence : float
+        Central share of the splits that the ranges of the scores contain.
     """
     known = surrogate.get("jet_known", True)
     return {
@@ -104,7 +108,8 @@ def model_card(
             "scores": "the networks, distilled again from a Gaussian process fitted to the "
             "training rows of repeated random splits, scored on the test rows; those of the other "
             "places of the plate are of the Gaussian process on rows that were held out in turn",
-            "intervals": f"conformal, from the errors of {intervals['rows']} rows held out in turn",
+            "confidence": confidence,
+            "intervals": f"Conformal, from the errors of {intervals['rows']} rows held out in turn",
         },
         "distillation_error": surrogate["distillation_error"],
         "coverage": list(intervals["coverage"]),
@@ -225,14 +230,19 @@ def _jet(jet: Mapping) -> list[str]:
 
 def _targets(card: Mapping) -> list[str]:
     rows = [
-        (one["name"], one["words"], *(_score(one["scores"].get(name)) for name in
-                                      ("R2", "R2_log", "MAPE")))
+        (
+            one["name"],
+            one["words"],
+            *(_score(one["scores"].get(name)) for name in ("R2", "R2_log")),
+            percentage(one["scores"].get("MAPE", {}).get("median"), ".1f"),
+        )
         for one in card["targets"]
-    ]  # fmt: skip
+    ]
     return [
         *_table(("wear rate", "meaning", "R2", "R2 of ln", "mean relative error"), rows, 2),
         f"<p>Scores: {for_html(card['protocol']['scores'])}; median, and in brackets the central "
-        "95 % of the splits. The networks differ from the Gaussian process by "
+        f"{percentage(card['protocol']['confidence'])} of the splits. The networks differ from the "
+        "Gaussian process by "
         f"{100.0 * card['distillation_error']['rms']:.2g} % (root mean square).</p>",
     ]
 
@@ -263,22 +273,28 @@ def _rows(rows: Mapping) -> list[str]:
             f"{count} {for_html(reason)}" for reason, count in rows["reasons"].items()
         )
         text += f". {rows['failed']} more cases gave no rate ({reasons}), not missing at random"
+    elif rows["simulated"]:
+        text += "; no case failed"
     return [f"<p>{text}. Hash of the rows: <code>{for_html(rows['hash'])}</code>.</p>"]
 
 
 def _coverage(card: Mapping) -> list[str]:
     overall = [
-        ("all rows", f"{100 * one['level']:g} %", f"{100 * one['coverage']:.1f} %",
-         f"{100 * one['band'][0]:.1f} to {100 * one['band'][1]:.1f} %")
+        ("all rows", str(card["rows"]["trained"]), *_shares(one, *one["band"]))
         for one in card["coverage"]
     ]  # fmt: skip
     regions = [
-        (one["words"], f"{100 * one['level']:g} %", f"{100 * one['coverage']:.1f} %",
-         f"{100 * one['band_lower']:.1f} to {100 * one['band_upper']:.1f} %")
+        (one["words"], str(one["tested"]), *_shares(one, one["band_lower"], one["band_upper"]))
         for one in card["coverage_by_region"]
     ]  # fmt: skip
     return [
-        *_table(("cases", "level", "inside", "expected by chance"), [*overall, *regions]),
+        *_table(("cases", "number", "level", "inside", "expected by chance"), [*overall, *regions]),
         f"<p>{for_html(card['protocol']['intervals'])}; the highest level that they can promise is "
         f"{number_or_words(100.0 * card['highest_level'], '.4g')} %.</p>",
     ]
+
+
+def _shares(one: Mapping, low: float, high: float) -> tuple[str, str, str]:
+    """Level, share inside and binomial band in percent."""
+    level, inside = 100.0 * one["level"], 100.0 * one["coverage"]
+    return f"{level:g} %", f"{inside:.1f} %", f"{100.0 * low:.1f} to {100.0 * high:.1f} %"

@@ -49,7 +49,7 @@ def estimate(config: Config, cores: int | None = None) -> str:
         )
     if config.dataset.external is not None:
         line = f"{config.study}: learning from {config.dataset.external}, nothing is simulated"
-        unknown = [key for key in ("jet", "target") if getattr(config.dataset, key) == UNKNOWN]
+        unknown = [key for key in ("jet", "rate") if getattr(config.dataset, key) == UNKNOWN]
         if unknown:
             keys = " and ".join(f"dataset.{key}" for key in unknown)
             line += f"; {keys} unknown, write stated if the study file says what they are"

@@ -48,8 +48,8 @@ def chute_profile() -> np.ndarray:
     slopes += [FLAT] * PLATE_FACETS
     plate = [PLATE_LENGTH / PLATE_FACETS] * PLATE_FACETS
     lengths = [*plate, *[facet] * ARC_FACETS, *plate]
-    slopes, lengths = np.radians(slopes), np.array(lengths)
-    steps = np.stack([lengths * np.cos(slopes), -lengths * np.sin(slopes)], axis=1)
+    along = np.stack([np.cos(np.radians(slopes)), -np.sin(np.radians(slopes))], axis=1)
+    steps = np.array(lengths)[:, None] * along
     return UPPER_END + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 
 

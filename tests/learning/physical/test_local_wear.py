@@ -12,7 +12,13 @@ import abradem
 from abradem.cli.main import main
 from abradem.learning.model_files import write_model
 from abradem.learning.physical.distil import Settings
-from abradem.learning.physical.local_wear import SCALING, local_targets, local_wear, with_local_wear
+from abradem.learning.physical.local_wear import (
+    SCALING,
+    local_targets,
+    local_wear,
+    with_local_wear,
+    with_meaning,
+)
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
 from abradem.store.files import read_arrays, read_json
 from abradem.surrogate.groups import Jet
@@ -169,3 +175,16 @@ def test_no_place_is_below_one_that_it_cannot_be_below(stem, tmp_path):
     write_model(description, arrays, tmp_path / "b.json")
     with pytest.raises(PredictionError, match="at_least = 'wear_total_worn' of wear_total_footpr"):
         Surrogate.load(tmp_path / "b")
+
+
+def test_what_is_not_known_of_a_table_is_not_named(capsys, stem, tmp_path):
+    model = read_json(f"{stem}.json"), read_arrays(f"{stem}.safetensors")
+    write_model(*with_meaning(model, False, False), tmp_path / "a.json")
+    assert main(["predict", "--model", str(tmp_path / "a"), *WORDS, "--depth", "5mm"]) == 0
+    out, err = capsys.readouterr()
+    assert "(wear_total_mean: as in the table that the model learned from)" in out
+    assert "mean over the plate" not in out and "jet of the table behind the model" in err
+    write_model(*with_meaning(model, True, True), tmp_path / "a.json")
+    assert main(["predict", "--model", str(tmp_path / "a"), *WORDS]) == 0
+    out, err = capsys.readouterr()
+    assert "(wear_total_mean: mean over the plate)" in out and err == ""

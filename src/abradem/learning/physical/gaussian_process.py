@@ -57,7 +57,7 @@ _LENGTH = (1.4, 0.7)  # a length of 4 standard deviations of the feature, within
 _SMOOTH = (-1.0, 1.0)
 _NOISE = (-3.0, 1.0)
 _TREND = (-2.0, 2.0)
-_CURVATURE = (-1.5, 0.5)
+_CURVATURE = (-2.0, 0.5)
 _NOISE_SLOPE = (0.0, 0.5)  # a factor of 1.6 in the noise by a standard deviation of a term
 
 

@@ -197,8 +197,8 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> Calibra
     reported = calibration[
         (calibration["method"] == CONFORMAL) & calibration["level"].isin(REPORTED)
     ]
-    inside = {level: outer.score <= quantile[:, levels.index(level)] for level in reported["level"]}
-    regions = coverage_by_region(inside, given.inputs, regions_of(given.inputs))
+    within = {level: outer.score <= quantile[:, levels.index(level)] for level in reported["level"]}
+    regions = coverage_by_region(within, given.inputs, regions_of(given.inputs))
     cross = cross_fitted(outer.score, given.groups, outer.fold)
     scores = pd.DataFrame(
         {
