@@ -52,10 +52,6 @@ MALFORMED = {
         "study: a\nlearning:\n  ga_ann:\n    elites: 10\n",
         "config.yaml: learning.ga_ann.elites: 10: is too many for a population of 10 (allowed up to 9)",
     ),
-    "more_searches_than_splits": (
-        "study: a\nlearning:\n  repeats: 3\n  ga_ann:\n    searches: 5\n",
-        "config.yaml: learning.ga_ann.searches: 5: there are 3 splits, learning.repeats (allowed up to 3)",
-    ),
     "columns_without_a_table": (
         "study: a\ndataset:\n  columns: {plate_angle: slope}\n",
         'config.yaml: dataset.columns: {plate_angle: "slope"}: requires a table in dataset.external',
