@@ -43,12 +43,10 @@ def chute_profile() -> np.ndarray:
     """Return the corners (x, y) of the chute from its upper end on, m, shape (segments + 1, 2)."""
     turn = (STEEP - FLAT) / ARC_FACETS
     facet = 2.0 * ARC_RADIUS * np.sin(np.radians(0.5 * turn))
-    slopes = [STEEP] * PLATE_FACETS
-    slopes += [STEEP - (k + 0.5) * turn for k in range(ARC_FACETS)]
-    slopes += [FLAT] * PLATE_FACETS
+    bent = STEEP - (np.arange(ARC_FACETS) + 0.5) * turn
+    slopes = np.radians(np.concatenate([[STEEP] * PLATE_FACETS, bent, [FLAT] * PLATE_FACETS]))
     plate = [PLATE_LENGTH / PLATE_FACETS] * PLATE_FACETS
-    lengths = [*plate, *[facet] * ARC_FACETS, *plate]
-    slopes, lengths = np.radians(slopes), np.array(lengths)
+    lengths = np.concatenate([plate, [facet] * ARC_FACETS, plate])
     steps = np.stack([lengths * np.cos(slopes), -lengths * np.sin(slopes)], axis=1)
     return UPPER_END + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 
