@@ -84,14 +84,15 @@ def impulse(velocities: np.ndarray) -> tuple[float, float]:
     return float(-Scene().mass * given[0]), float(Scene().mass * given[1])
 
 
-def segment_of(x, y) -> np.ndarray:
-    """Return the segment of the profile that is nearest to each point."""
+def nearest_segment(x, y) -> tuple[np.ndarray, np.ndarray]:
+    """Return the segment of the profile that is nearest to each point, and its distance, m."""
     corners = chute_profile()
     begin, along = corners[:-1], np.diff(corners, axis=0)
     arm = np.stack([x, y], axis=-1)[..., None, :] - begin
     share = np.clip((arm * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
     away = arm - share[..., None] * along
-    return (away**2).sum(axis=-1).argmin(axis=-1)
+    distance = np.sqrt((away**2).sum(axis=-1))
+    return distance.argmin(axis=-1), distance.min(axis=-1)
 
 
 def normals() -> np.ndarray:
