@@ -161,7 +161,7 @@ rule findings:
             f"{RESULTS}/models/findings.html",
             caption="../report/findings.rst",
             category="Models",
-            labels={"model": "on dimensionless groups", "content": "findings"},
+            labels={"file": "findings.html", "content": "findings in words"},
         ),
     log:
         f"{LOGS}/findings.log",

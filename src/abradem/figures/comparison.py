@@ -208,12 +208,12 @@ def _parity(panel, rows: pd.DataFrame, ends, unit: float, marker: str, colour: s
         actual[inside] / unit, predicted[inside] / unit, marker, ms=2.6, mew=0.7, color=colour,
         alpha=0.7,
     )  # fmt: skip
-    for end, shape, out in (
-        (ends[0], "v", predicted < ends[0]),
-        (ends[1], "^", predicted > ends[1]),
-    ):
-        panel.plot(
-            actual[out] / unit, np.full(out.sum(), end / unit), shape, ms=3.0, mew=0.0,
-            color=colour, alpha=0.7, clip_on=False,
-        )  # fmt: skip
+    for end, shape in ((ends[0], "v"), (ends[1], "^")):
+        out = (predicted < end) if shape == "v" else (predicted > end)
+        # A line without points and without clipping would have no place in the layout.
+        if out.any():
+            panel.plot(
+                actual[out] / unit, np.full(out.sum(), end / unit), shape, ms=3.0, mew=0.0,
+                color=colour, alpha=0.7, clip_on=False,
+            )  # fmt: skip
     return not inside.all()
