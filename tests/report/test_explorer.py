@@ -14,7 +14,7 @@ import pytest
 from tables import product_law
 
 from abradem.learning.physical.problem import problem
-from abradem.learning.physical.wear_maps import Plate, wear_maps
+from abradem.learning.physical.wear_maps import PlateSides, wear_maps
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
 from abradem.report.explorer import SECTIONS, explorer_data, explorer_page, stored
 from abradem.surrogate.groups import GROUP_NAMES, Jet
@@ -74,7 +74,7 @@ def maps(dataset):
     along = np.linspace(-0.5, 0.5, 6)[:, None]
     spot = np.exp(-((along - 0.3 * given.groups[:, 8][:, None, None]) ** 2) / 0.1)
     worn = given.table.target[:, None, None] * np.repeat(spot, 4, axis=2)
-    model, _ = wear_maps(given, worn, Plate(0.3, 0.2), "friction", repeats=2)
+    model, _ = wear_maps(given, worn, PlateSides(0.3, 0.2), "friction", repeats=2)
     return MapSurrogate(*json_and_back(*model))
 
 

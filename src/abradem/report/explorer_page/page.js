@@ -215,7 +215,7 @@
       },
     ], {
       font: FONT, margin: { l: 58, r: 10, t: 8, b: 48 },
-      xaxis: { title: { text: "x along the slope, upwards to the right (mm)" }, constrain: "domain", fixedrange: true },
+      xaxis: { title: { text: "x, up the slope (mm)" }, constrain: "domain", fixedrange: true },
       yaxis: { title: { text: "z across (mm)" }, scaleanchor: "x", constrain: "domain", fixedrange: true },
     }, SETTINGS);
     const average = rates.reduce((a, b) => a + b, 0) / rates.length;
@@ -288,7 +288,7 @@
     const rows = Math.ceil(varied.length / columns);
     const rate = Model.rates[state.place];
     const layout = {
-      font: { ...FONT, size: 11 }, showlegend: false, height: 165 * rows + 20,
+      font: { ...FONT, size: 11 }, showlegend: false, height: 175 * rows + 20,
       margin: { l: 52, r: 8, t: 6, b: 10 }, annotations: [],
     };
     const all = [];
@@ -300,11 +300,11 @@
       const top = 1 - line / rows;
       layout[`xaxis${number}`] = {
         domain: [left, (column + 1) / columns - gap / 2], anchor: `y${number}`, fixedrange: true, nticks: 4,
-        type: one.decades ? "log" : "linear", title: { text: title(one), standoff: 2, font: { size: 11 } },
+        type: one.decades ? "log" : "linear", title: { text: title(one).replace(/ \((?=[^(]*$)/, "<br>("), standoff: 2, font: { size: 11 } },
         ...(one.decades ? { dtick: 1 } : {}), exponentformat: "power",
       };
       layout[`yaxis${number}`] = {
-        domain: [top - 1 / rows + 52 / (165 * rows), top - 0.01], anchor: `x${number}`, fixedrange: true,
+        domain: [top - 1 / rows + 64 / (175 * rows), top - 0.01], anchor: `x${number}`, fixedrange: true,
         type: "log", dtick: 1, exponentformat: "power", showticklabels: column === 0,
         ...(place ? { matches: "y" } : {}),
       };
