@@ -140,14 +140,13 @@ def show(driver, room):
     driver.execute("executeCdpCommand", command)
 
 
-def settle(driver, before=0):
-    """Wait until all was drawn again, and return how often it was."""
+def settle(driver):
+    """Wait until all that was changed is drawn."""
     for _ in range(10 * PATIENCE):
-        drawn = int(driver.execute_script("return document.body.dataset.drawn ?? 0"))
-        if drawn > before:
-            return drawn
+        if driver.execute_script("return document.body.dataset.state") == "drawn":
+            return
         time.sleep(0.1)
-    raise AssertionError("the page draws nothing")
+    raise AssertionError("the page does not draw what was changed")
 
 
 def type_value(driver, name, text):
@@ -161,10 +160,6 @@ def type_value(driver, name, text):
 
 def log(driver, kind):
     return driver.execute("getLog", {"type": kind})["value"]
-
-
-def drawn_so_far(driver):
-    return int(driver.execute_script("return document.body.dataset.drawn"))
 
 
 def numbers(driver):
@@ -194,10 +189,9 @@ def test_typed_values_and_what_is_shown_are_those_of_the_command(browser, maps):
         "particle_density": "2.65 g/cm³", "particle_shear_modulus": "4000 MPa",
         "static_friction": "0.43", "archard_constant": "1e-9",
     }  # fmt: skip
-    before = drawn_so_far(browser)
     for name, text in typed.items():
         assert type_value(browser, name, text).get_attribute("aria-invalid") != "true"
-    settle(browser, before)
+    settle(browser)
     command = browser.find_element("id", "command").text.replace("\\\n", "").split()
     given = dict(word.split("=") for word in command if "=" in word)
     assert list(given) == [name for names in SECTIONS.values() for name in names]
@@ -217,10 +211,10 @@ def test_typed_values_and_what_is_shown_are_those_of_the_command(browser, maps):
 def test_the_keyboard_moves_a_slider_and_all_numbers_follow(browser):
     from selenium.webdriver.common.keys import Keys
 
-    before, drawn = numbers(browser), drawn_so_far(browser)
+    before = numbers(browser)
     slider = browser.find_element("id", "slider-archard_constant")
     slider.send_keys(Keys.ARROW_RIGHT)
-    settle(browser, drawn)
+    settle(browser)
     after = numbers(browser)
     typed = float(browser.find_element("id", "value-archard_constant").get_attribute("value"))
     # The wear is proportional to the Archard constant, the hours to its inverse.
@@ -231,12 +225,11 @@ def test_the_keyboard_moves_a_slider_and_all_numbers_follow(browser):
 
 
 def test_a_preset_sets_its_quantities(browser):
-    drawn = drawn_so_far(browser)
     select = browser.find_element("id", "preset")
     browser.execute_script(
         "arguments[0].value = 'granite'; arguments[0].dispatchEvent(new Event('change'))", select
     )
-    settle(browser, drawn)
+    settle(browser)
     assert browser.find_element("id", "value-particle_density").get_attribute("value") == "2650"
 
 
@@ -255,9 +248,8 @@ def test_a_wrong_value_is_one_line_and_changes_nothing(browser, name, text, line
     assert field.get_attribute("aria-invalid") == "true"
     assert browser.find_element("id", f"problem-{name}").text == line
     assert numbers(browser) == before
-    drawn = drawn_so_far(browser)
     browser.find_element("id", "reset").click()
-    settle(browser, drawn)
+    settle(browser)
     assert browser.find_element("id", f"problem-{name}").text == ""
 
 
@@ -268,11 +260,10 @@ def test_a_value_beyond_its_range_is_warned_of_as_by_the_command(browser):
         ("particle_density", "4010", {"particle_density": 4010.0}),
         ("archard_constant", "1e-7", {"archard_constant": 1e-7}),
     ):
-        drawn = drawn_so_far(browser)
         browser.find_element("id", "reset").click()
-        drawn = settle(browser, drawn)
+        settle(browser)
         type_value(browser, name, text)
-        settle(browser, drawn)
+        settle(browser)
         middle = {row.name: float(np.mean(row.paper_range)) for row in SAMPLED}
         expected = surrogate.predict({**middle, **values}).warnings
         lines = browser.find_elements("css selector", "#warnings p")
@@ -282,13 +273,12 @@ def test_a_value_beyond_its_range_is_warned_of_as_by_the_command(browser):
 
 
 def test_the_nearest_case_is_the_one_that_is_set(browser, dataset):
-    drawn = drawn_so_far(browser)
     browser.find_element("id", "reset").click()
-    drawn = settle(browser, drawn)
+    settle(browser)
     button = browser.find_element("css selector", "#nearest tbody button")
     case = int(button.get_attribute("title").split()[-1])
     browser.execute_script("arguments[0].click()", button)
-    settle(browser, drawn)
+    settle(browser)
     cells = browser.find_elements("css selector", "#nearest tbody tr:first-child td")
     assert int(cells[0].text) == case and float(cells[1].text) == 0.0
     row = dataset.set_index("case_id").loc[case]
@@ -310,10 +300,9 @@ def test_every_control_has_a_name_and_is_reached_by_the_keyboard(browser):
 def test_the_page_fits_the_screen(browser, room, tmp_path):
     from matplotlib.image import imread
 
-    drawn = drawn_so_far(browser)
     show(browser, room)
     browser.find_element("id", "reset").click()
-    settle(browser, drawn)
+    settle(browser)
     width, _ = ROOMS[room]
     assert browser.execute_script("return document.documentElement.scrollWidth") <= width
     browser.save_screenshot(str(tmp_path / "page.png"))

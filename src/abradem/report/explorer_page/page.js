@@ -349,26 +349,31 @@
   let waiting = false;
   let idle = 0;
 
+  function drawFirst() {
+    if (!waiting) return;
+    waiting = false;
+    const predictions = Model.predict(state.values, state.confidence);
+    drawNumbers(predictions);
+    drawWarnings();
+    drawMap(predictions);
+    drawCurve(predictions);
+    drawCommand();
+  }
+
+  function drawRest() {
+    drawFirst();
+    drawCurves(Model.predict(state.values, state.confidence));
+    drawNearest();
+    document.body.dataset.state = "drawn";
+  }
+
   // Numbers, map and curve follow a slider at once, the rest when it rests.
   function update() {
+    document.body.dataset.state = "waiting";
     clearTimeout(idle);
-    idle = setTimeout(() => {
-      const predictions = Model.predict(state.values, state.confidence);
-      drawCurves(predictions);
-      drawNearest();
-      document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
-    }, 150);
-    if (waiting) return;
+    idle = setTimeout(drawRest, 150);
+    if (!waiting) requestAnimationFrame(drawFirst);
     waiting = true;
-    requestAnimationFrame(() => {
-      waiting = false;
-      const predictions = Model.predict(state.values, state.confidence);
-      drawNumbers(predictions);
-      drawWarnings();
-      drawMap(predictions);
-      drawCurve(predictions);
-      drawCommand();
-    });
   }
 
   function select(name) {
