@@ -46,9 +46,7 @@ def _outputs(source: str, names: dict, where: str) -> list[dict]:
     if text := printed.getvalue():
         outputs.append({"output_type": "stream", "name": "stdout", "text": _lines(text)})
     if value is not None:
-        outputs.append(
-            {"output_type": "display_data", "metadata": {}, "data": _data(value)}
-        )
+        outputs.append({"output_type": "display_data", "metadata": {}, "data": _data(value)})
     return outputs
 
 

@@ -22,6 +22,7 @@ from abradem.config import (
     declaration,
     documentation,
     explaining,
+    jet_is_known,
     load_config,
     read_config,
     reference,
@@ -57,6 +58,18 @@ MALFORMED = {
     "columns_without_a_table": (
         "study: a\ndataset:\n  columns: {plate_angle: slope}\n",
         'config.yaml: dataset.columns: {plate_angle: "slope"}: requires a table in dataset.external',
+    ),
+    "jet_of_no_table": (
+        "study: a\ndataset:\n  jet: stated\n",
+        'config.yaml: dataset.jet: "stated": requires a table in dataset.external',
+    ),
+    "rate_of_no_table": (
+        "study: a\ndataset:\n  rate: stated\n",
+        'config.yaml: dataset.rate: "stated": requires a table in dataset.external',
+    ),
+    "jet_in_another_word": (
+        "study: a\ndataset:\n  external: t.csv\n  jet: known\n",
+        'config.yaml: dataset.jet: "known": is unknown (allowed stated, unknown)',
     ),
     "column_that_is_no_name": (
         "study: a\ndataset:\n  external: t.csv\n  columns: {plate_angle: 3}\n",
@@ -1045,3 +1058,13 @@ def test_the_estimate_adds_up_cases_and_starts_of_jobs():
     assert least <= told() <= 1.3 * least
     assert told(blocks=40) == pytest.approx(40.0 * told(), rel=0.1)
     assert told(blocks=40, cores=8) == pytest.approx(told(blocks=5), rel=0.1)
+
+
+def test_a_table_is_asked_what_it_means():
+    for stated, words in (((), "dataset.jet and dataset.rate unk"), (("jet",), "dataset.rate unk")):
+        given = {"external": "t.csv", **dict.fromkeys(stated, "stated")}
+        assert words in estimate(Config(study="a", dataset=given), 2)
+    known = Config(study="a", dataset={"external": "t.csv", "jet": "stated", "rate": "stated"})
+    assert estimate(known, 2) == "a: learning from t.csv, nothing is simulated"
+    assert jet_is_known(known) and jet_is_known(Config(study="a"))
+    assert not jet_is_known(Config(study="a", dataset={"external": "t.csv"}))

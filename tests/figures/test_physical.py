@@ -28,7 +28,7 @@ def figures(rows):
     results, exponents, _, _ = fit_physical(given, models, repeats=2)
     two = {name: models[name] for name in (POWER_LAW, PROCESS)}
     process = models[PROCESS]().fit(given.groups, given.log_number, given.error)
-    calibration, _ = calibrate(given, 3)
+    calibration = calibrate(given, 3).calibration
     indices = sobol(process, given, points=32, resamples=5)
     comparison = compare(results.scores, with_scale(results.predictions, frame, JET), draws=100)
     curve = learning_curve(given, two, repeats=2)

@@ -57,22 +57,24 @@ FIGURES = {
     **OF_SIMULATIONS, **OF_CHARTS, **each("figure_quality", "figure_setup", "figure_angles"),
     **OF_LEARNING,
 }  # fmt: skip
-# The tables of scores, comparison and beside_paper follow every model.
+# The tables of scores, comparison, beside_paper and error_by_region follow every model.
 AFTER_SCORES = {
     **each("scores", "figure_models", "figure_distributions", "summary", "latex", "findings"),
-    **OF_COMPARISON, "table": 3,
+    **OF_COMPARISON, "table": 4,
 }  # fmt: skip
-PHYSICAL = each("fit_physical", "intervals", "surrogate", "sensitivity", "reach", "findings")
+PHYSICAL = each(
+    "fit_physical", "intervals", "local_wear", "surrogate", "sensitivity", "reach", "findings",
+)  # fmt: skip
 TRAINING = {
     **each("linear", "penalised", "pca", "selection", "trees"), "ga_ann": 2, **PHYSICAL,
 }  # fmt: skip
 LEARNING = {
-    **TRAINING, **OF_LEARNING, **each("scores", "exponents", "summary", "latex", "explorer"),
-    "table": 13,
+    **TRAINING, **OF_LEARNING,
+    **each("scores", "exponents", "summary", "latex", "model_card", "explorer"), "table": 15,
 }  # fmt: skip
 AFTER_DATASET = {
     **LEARNING, **each("figure_quality", "noise_floor", "speed_up", "wear_maps", "all"),
-    "table": 14,
+    "table": 16,
 }  # fmt: skip
 AFTER_WEAR_RATES = {**each("failures", "dataset"), **AFTER_DATASET}
 AFTER_SIMULATION = {"wear_rates": BATCHES, **AFTER_WEAR_RATES, **OF_SIMULATIONS}
@@ -315,7 +317,7 @@ def test_files_for_paraview_are_made_on_demand(project):
 # Jobs that rerun after an edit of the code
 
 
-WORDS = {**FIGURES, **each("latex", "findings", "summary", "explorer")}
+WORDS = {**FIGURES, **each("latex", "findings", "summary", "model_card", "explorer")}
 """What shows labels of quantities, groups, models or protocols."""
 
 SOURCES = "src/abradem"
@@ -340,12 +342,13 @@ SOURCES = "src/abradem"
         ("workflow/scripts/figures/figure.py", FIGURES),
         (f"{SOURCES}/report/latex.py", each("latex")),
         (f"{SOURCES}/report/findings.py", each("findings")),
+        (f"{SOURCES}/report/model_card.py", each("model_card")),
         (f"{SOURCES}/report/summary.py", each("summary", "latex")),
         (f"{SOURCES}/report/explorer.py", each("explorer")),
         (f"{SOURCES}/learning/physical/wear_maps.py", each("wear_maps", "explorer")),
         # Models.
         (f"{SOURCES}/learning/baselines/linear.py", {
-            **AFTER_SCORES, "linear": 1, **OF_LINEAR, "table": 5,
+            **AFTER_SCORES, "linear": 1, **OF_LINEAR, "table": 6,
         }),
         (f"{SOURCES}/learning/baselines/trees.py", {**AFTER_SCORES, "trees": 1, **OF_TREES}),
         (f"{SOURCES}/learning/baselines/genetic.py", {**AFTER_SCORES, "ga_ann": 2, **OF_GA_ANN}),
@@ -373,7 +376,7 @@ SOURCES = "src/abradem"
         (f"{SOURCES}/elastic.py", {**ALL_OF_SIMULATION, "figure_rules": 1}),
         (f"{SOURCES}/quantities.py", {**EVERYTHING, "rule_graph": 0}),
         # Storage, configuration and support for running.
-        ("workflow/scripts/report/table.py", {"table": 14}),
+        ("workflow/scripts/report/table.py", {"table": 16}),
         (f"{SOURCES}/store/columns.py", {}),
         (f"{SOURCES}/store/files.py", {}),
         (f"{SOURCES}/store/tables.py", {}),
@@ -462,9 +465,9 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
         }),
         ({"wear_rate": {"good_r2": 0.9}}, {"figure_quality": 1, "summary": 1, "latex": 1}),
         ({"features": {"damping_coefficient": "printed"}}, {
-            "dataset": 1, **AFTER_DATASET, "table": 13,
+            "dataset": 1, **AFTER_DATASET, "table": 15,
         }),
-        ({"simulation": {"max_failed_share": 0.5}}, {"dataset": 1, **AFTER_DATASET, "table": 13}),
+        ({"simulation": {"max_failed_share": 0.5}}, {"dataset": 1, **AFTER_DATASET, "table": 15}),
         ({"learning": {"trees": {"forest_trees": 9}}}, {
             **AFTER_SCORES, "trees": 1, **OF_TREES,
         }),
@@ -473,7 +476,7 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
         }),
         ({"learning": {"bootstrap": 300}}, AFTER_SCORES),
         ({"learning": {"penalised": {"path_points": 9}}}, {
-            **AFTER_SCORES, "penalised": 1, "figure_penalised": 1, "table": 4,
+            **AFTER_SCORES, "penalised": 1, "figure_penalised": 1, "table": 5,
         }),
         ({"figures": {"series_cases": [1, 2]}}, {"figure_series": 1, "figure_maps": 1}),
         ({"figures": {"typical": {"plate_angle": 20}}}, SCENES),

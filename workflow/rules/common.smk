@@ -13,12 +13,14 @@ from abradem.config import (
     rate_options,
     setup_dict,
     target_dict,
+    jet_is_known,
     to_yaml,
     typical_case,
 )
 from abradem.config.materials import PARTICLE_MATERIALS, preset
 from abradem.dataset.variation import nothing_varies
 from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS
+from abradem.publish.description import LICENCE
 from abradem.quantities import wear_parts
 from abradem.report.explorer_parts import FILES as EXPLORER_FILES
 from abradem.report.tables import TABLES
@@ -111,6 +113,9 @@ def code_of(script, *modules):
 
 BLOCKS = range(CONFIG.sampling.blocks)
 BATCHES = CONFIG.batches
+# Blocks that no model sees, beyond the largest number of blocks of a study.
+FIRST_FRESH = 10_000
+FRESH = range(FIRST_FRESH, FIRST_FRESH + CONFIG.learning.fresh_blocks)
 
 
 def verbatim(value):
@@ -118,11 +123,11 @@ def verbatim(value):
     return lambda wildcards: value
 
 
-def batch_paths(pattern):
-    """Paths of the tables of all batches of all blocks."""
+def batch_paths(pattern, blocks=BLOCKS):
+    """Paths of the tables of all batches of some blocks, by default those of the study."""
     return [
         pattern.format(block=f"{block:03d}", batch=f"{batch:03d}")
-        for block in BLOCKS
+        for block in blocks
         for batch in range(len(BATCHES))
     ]
 
@@ -332,8 +337,9 @@ def announce(dag, cores):
     if not SIMULATED or count == CONFIG.cases:
         print(abradem.running.effort.estimate(CONFIG, cores), file=sys.stderr)
     elif count:
+        every = CONFIG.cases + len(FRESH) * CONFIG.sampling.cases_per_block
         print(
-            f"{CONFIG.study}: {count} of {CONFIG.cases} cases are to be simulated",
+            f"{CONFIG.study}: {count} of {every} cases are to be simulated",
             file=sys.stderr,
         )
     MONITOR.start(pending, needed)

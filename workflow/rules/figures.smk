@@ -202,7 +202,7 @@ rule figure_coefficients:
         "../envs/abradem.yaml"
     params:
         **drawn_as("coefficients"),
-        options={"element_size": TARGET["element_size"]},
+        options={name: TARGET[name] for name in ("element_size", "known")},
     script:
         "../scripts/figures/figure.py"
 
@@ -220,7 +220,7 @@ rule figure_predicted_linear:
         "../envs/abradem.yaml"
     params:
         **drawn_as("predicted_linear"),
-        options={"element_size": TARGET["element_size"]},
+        options={name: TARGET[name] for name in ("element_size", "known")},
     script:
         "../scripts/figures/figure.py"
 

@@ -36,6 +36,7 @@ rule published_folder:
         rules.wear_maps.output,
         rules.noise_floor.output,
         rules.findings.output,
+        rules.model_card.output,
         (
             [
                 *batch_paths(rules.simulate.output.series),

@@ -13,12 +13,15 @@ TABLE_FILES = {
     "scores": rules.scores.output.scores,
     "comparison": rules.scores.output.comparison,
     "beside_paper": rules.scores.output.beside_paper,
+    "error_by_region": rules.scores.output.by_region,
     "power_law": rules.fit_physical.output.exponents,
     "exponents": rules.exponents.output[0],
     "targets": rules.reach.output.targets,
     "extrapolation": rules.reach.output.extrapolation,
     "sobol": rules.sensitivity.output.indices,
     "calibration": rules.intervals.output.calibration,
+    "coverage": rules.intervals.output.regions,
+    **({"fresh_coverage": rules.fresh_coverage.output.coverage} if TESTED_WITH else {}),
     **({"failures": rules.failures.output} if SIMULATED else {}),
 }
 
@@ -60,6 +63,7 @@ rule documents:
         f"{RESULTS}/summary.json",
         f"{RESULTS}/models/findings.html",
         f"{RESULTS}/explorer.html",
+        f"{RESULTS}/models/model_card.html",
         f"{RESULTS}/config.yaml",
         f"{RESULTS}/versions.json",
         expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
@@ -125,6 +129,8 @@ rule findings:
         falls=rules.sensitivity.output.falls,
         exponents=rules.exponents.output[0],
         comparison=rules.scores.output.comparison,
+        by_region=rules.scores.output.by_region,
+        fresh=FRESH_SUMMARY[0] if TESTED_WITH else [],
         noise=NOISE_SUMMARY,
         speed=rules.speed_up.output[0] if SIMULATED else [],
     output:
@@ -140,7 +146,7 @@ rule findings:
         "../envs/abradem.yaml"
     params:
         table=CONFIG.study,
-        target=TARGET if SIMULATED else None,
+        target=TARGET if TARGET["known"] else None,
         code=code_of("report/findings"),
     script:
         "../scripts/report/findings.py"
@@ -175,6 +181,37 @@ rule explorer:
         code=code_of("report/explorer"),
     script:
         "../scripts/report/explorer.py"
+
+
+rule model_card:
+    """Use, jet, targets, ranges, scores and coverage of the surrogate."""
+    input:
+        surrogate=rules.surrogate.output.model,
+        intervals=rules.intervals.output.summary,
+        regions=rules.intervals.output.regions,
+        failures=FAILURES if SIMULATED else [],
+    output:
+        card=f"{RESULTS}/models/model_card.json",
+        page=report(
+            f"{RESULTS}/models/model_card.html",
+            caption="../report/model_card.rst",
+            category="Models",
+            labels={"model": "surrogate", "content": "model card"},
+        ),
+    log:
+        f"{LOGS}/model_card.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        said={
+            "ranges": sampled_ranges(CONFIG) if SIMULATED else None,
+            "software": abradem.__version__,
+            "licence": LICENCE if SIMULATED else None,
+            "confidence": LEARNING.confidence,
+        },
+        code=code_of("report/model_card"),
+    script:
+        "../scripts/report/model_card.py"
 
 
 rule latex:

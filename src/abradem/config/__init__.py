@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     )
     from abradem.config.reference import documentation, schema
     from abradem.config.values import (
+        jet_is_known,
         rate_options,
         sampled_ranges,
         setup_dict,
@@ -48,6 +49,7 @@ _LAZY = {
     "schema": "reference",
     "setup_dict": "values",
     "target_dict": "values",
+    "jet_is_known": "values",
     "to_yaml": "values",
     "typical_case": "values",
 }
@@ -57,6 +59,7 @@ __all__ = [
     "Config",
     "ConfigError",
     "documentation",
+    "jet_is_known",
     "load_config",
     "origin_in_files",
     "rate_options",

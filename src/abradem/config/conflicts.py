@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from abradem.config.declaration import Config, Factory, PlateKeys
+from abradem.config.declaration import STATED, Config, Factory, PlateKeys
 from abradem.config.keys import Key
 from abradem.quantities import WEAR_MEASURES
 
@@ -222,6 +222,10 @@ def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
         yield ("learning", "physical", "sobol_points"), "is not a power of two"
     if config.dataset.columns and config.dataset.external is None:
         yield ("dataset", "columns"), "requires a table in dataset.external"
+    if config.dataset.external is None:
+        for key in ("jet", "rate"):
+            if getattr(config.dataset, key) == STATED:
+                yield ("dataset", key), "requires a table in dataset.external"
 
 
 def _feed_conflicts(factory: Factory) -> Iterator[tuple[Key, str]]:

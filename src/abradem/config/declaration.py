@@ -644,6 +644,13 @@ class Learning(Section):
         ge=100,
         le=1_000_000,
     )
+    fresh_blocks: int = _key(
+        0,
+        "Blocks of cases simulated for the test of the prediction intervals alone, and seen by no "
+        "model; 0: none. Two blocks of 100 cases tell shares of regions apart.",
+        ge=0,
+        le=1000,
+    )
     penalised: Penalised = Field(default_factory=Penalised, description="Lasso and ridge.")
     selection: Selection = Field(
         default_factory=Selection, description="Selection of the input features of the networks."
@@ -737,6 +744,9 @@ _SEARCH_SCHEMA = WithJsonSchema(
 )
 
 
+STATED, UNKNOWN = "stated", "unknown"
+
+
 class Dataset(Section):
     """Your own table instead of simulations."""
 
@@ -751,6 +761,17 @@ class Dataset(Section):
         "Column of the table for each quantity with a different column name, or [column, unit] if "
         "the unit differs too. The names and units of the published table of the paper are known.",
         allowed="{name: column} or {name: [column, unit]}",
+    )
+    jet: Literal["stated", "unknown"] = _key(
+        UNKNOWN,
+        "Whether simulation.plate, simulation.factory (feed, patch, fall height) and "
+        "simulation.gravity are those of the table. Unknown: the models use them as a reference "
+        "alone, and the surrogate says so.",
+    )
+    rate: Literal["stated", "unknown"] = _key(
+        UNKNOWN,
+        "Whether learning.target says what the wear rate of the table is: its measure and its "
+        "place on the plate. Unknown: figures and predictions do not name them.",
     )
 
 

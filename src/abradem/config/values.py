@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import yaml
 
-from abradem.config.declaration import Config, to_si
+from abradem.config.declaration import STATED, Config, to_si
 from abradem.quantities import SAMPLED
 
 
@@ -49,7 +49,8 @@ def rate_options(config: Config) -> dict:
 def target_dict(config: Config) -> dict:
     """Return the target of the study as arguments of `abradem.words.wear.WearTarget`, SI units.
 
-    The size of the elements of an external table is not known.
+    The size of the elements of an external table is not known, and what its rate is only where
+    the study states it.
     """
     size = config.wear_rate.element_size_mm
     if size is None:
@@ -58,7 +59,13 @@ def target_dict(config: Config) -> dict:
     return {
         "name": config.learning.target,
         "element_size": size / 1000.0 if simulated else None,
+        "known": simulated or config.dataset.rate == STATED,
     }
+
+
+def jet_is_known(config: Config) -> bool:
+    """Whether ``simulation.plate`` and ``simulation.factory`` are those of the data set."""
+    return config.dataset.external is None or config.dataset.jet == STATED
 
 
 def setup_dict(config: Config) -> dict:

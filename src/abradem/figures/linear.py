@@ -18,7 +18,7 @@ LOG_SPAN = 30.0
 
 
 def coefficients_figure(
-    coefficients: pd.DataFrame, model: dict, element_size: float | None = None
+    coefficients: pd.DataFrame, model: dict, element_size: float | None = None, known: bool = True
 ) -> Figure:
     """Standardised coefficients with intervals as bars: X1 to X10, X11 to X20.
 
@@ -30,6 +30,8 @@ def coefficients_figure(
         Summary of the model.
     element_size : float, optional
         Edge of the elements of the target, m.
+    known : bool
+        Whether the name of the target says what it is.
 
     Returns
     -------
@@ -40,7 +42,7 @@ def coefficients_figure(
     with style.style():
         figure, axes = style.panels(2, 1, 2.2)
         half = (len(coefficients) + 1) // 2
-        words = _target_words(model, element_size)
+        words = _target_words(model, element_size, known)
         # Both panels have the same vertical axis.
         limit = _coefficient_limit(coefficients)
         parts = (coefficients.iloc[:half], coefficients.iloc[half:])
@@ -55,7 +57,7 @@ def coefficients_figure(
 
 
 def predicted_figure(
-    predictions: pd.DataFrame, model: dict, element_size: float | None = None
+    predictions: pd.DataFrame, model: dict, element_size: float | None = None, known: bool = True
 ) -> Figure:
     """Predicted against simulated wear of held-out cases, with the 1:1 line.
 
@@ -68,6 +70,8 @@ def predicted_figure(
         Summary of the model.
     element_size : float, optional
         Edge of the elements of the target, m.
+    known : bool
+        Whether the name of the target says what it is.
 
     Returns
     -------
@@ -120,7 +124,7 @@ def predicted_figure(
         splits = model["splits"]
         style.caption(
             figure,
-            f"{_target_words(model, element_size)}; {model['model']} model, "
+            f"{_target_words(model, element_size, known)}; {model['model']} model, "
             f"{PROTOCOLS[model['protocol']]} protocol, {splits['rows']} cases; held-out cases of "
             f"{splits['repeats']} random splits ({splits['train']} train, {splits['test']} test), "
             "one fit per split",
@@ -187,8 +191,8 @@ def _coefficient_words(
     return [first, second]
 
 
-def _target_words(model: dict, element_size: float | None) -> str:
-    words = WearTarget(model["target"]["name"], element_size).explained
+def _target_words(model: dict, element_size: float | None, known: bool) -> str:
+    words = WearTarget(model["target"]["name"], element_size, known).explained
     return words[0].upper() + words[1:]
 
 

@@ -38,7 +38,8 @@ def reach_figure(extrapolation: pd.DataFrame, targets: pd.DataFrame, table: str)
             f"data set: {table}. (a) filled: rows beyond the bound, models trained on the others; "
             "open: the same rows by cross-validation over all rows; number: share of the rows "
             "beyond the bound inside the 95 % intervals of the Gaussian process. (b) Gaussian "
-            "process, median over the splits of $R^2$ (in brackets: $R^2$ of the logarithm)",
+            "process, median over the splits of $R^2$ of the wear (in brackets: of the "
+            "logarithm of the wear number)",
         )
     return figure
 
@@ -103,9 +104,9 @@ def _targets(panel: Axes, targets: pd.DataFrame) -> None:
                 continue
             values[i, j] = rows.loc[name, "r2"]
             dark = values[i, j] > 0.6
-            of_log = style.minus(score_number(rows.loc[name, "r2_log"], 2))
+            of_number = style.minus(score_number(rows.loc[name, "r2_number"], 2))
             panel.text(
-                j, i, f"{style.minus(score_number(rows.loc[name, 'r2'], 3))}\n({of_log})",
+                j, i, f"{style.minus(score_number(rows.loc[name, 'r2'], 3))}\n({of_number})",
                 ha="center", va="center", fontsize=7.0, color="white" if dark else "black",
             )  # fmt: skip
     panel.imshow(values, cmap="viridis_r", vmin=0.0, vmax=1.0, aspect="auto")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from abradem.config.declaration import Config
+from abradem.config.declaration import UNKNOWN, Config
 from abradem.config.values import sampled_ranges, setup_dict
 
 SECONDS_PER_JOB = 2.5
@@ -41,7 +41,12 @@ def estimate(config: Config, cores: int | None = None) -> str:
             f"{_count(len(rungs), 'rung')}, a job each"
         )
     if config.dataset.external is not None:
-        return f"{config.study}: learning from {config.dataset.external}, nothing is simulated"
+        line = f"{config.study}: learning from {config.dataset.external}, nothing is simulated"
+        unknown = [key for key in ("jet", "rate") if getattr(config.dataset, key) == UNKNOWN]
+        if unknown:
+            keys = " and ".join(f"dataset.{key}" for key in unknown)
+            line += f"; {keys} unknown, write stated if the study file says what they are"
+        return line
     cores = cores or os.cpu_count() or 1
     sampling = config.sampling
     jobs = config.jobs

@@ -247,6 +247,17 @@ MODELS = {
     "band_upper": Column("1", "upper end of the binomial band of the coverage"),
     "width": Column("1", "median of upper end over prediction, less 1"),
     "tested": Column("1", "rows held out", "int64"),
+    "fold": Column("1", "fold in which the row was held out", "int32"),
+    "log_deviation": Column("1", "standard deviation of ln y that the process predicts"),
+    "error_scale": Column("1", "factor of that deviation, learned from other held-out rows"),
+    "score": Column("1", "held-out error of ln y by deviation and scale"),
+    "region": Column("1", "part of the ranges of the study", "string"),
+    "case_share": Column("1", "share of the test rows that are in the region"),
+    "error_share": Column("1", "share of the sum of squared errors of the wear"),
+    "number_error_share": Column(
+        "1", "share of the sum of squared errors of the logarithm of the wear number"
+    ),
+    "in_band": Column("1", "whether the coverage is in its binomial band", "bool"),
     "trained": Column("1", "rows trained on", "int64"),
     "test": Column("1", "test of extrapolation", "string"),
     "mape": Column("1", "mean absolute relative error"),

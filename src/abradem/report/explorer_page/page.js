@@ -390,7 +390,8 @@
   function start() {
     at("study").textContent = data.study;
     at("about").textContent =
-      `Predictions of the surrogate that learned from ${data.training_rows ?? data.cases.ids.length} simulated cases. Everything is computed in this page.`;
+      `Predictions of the surrogate that learned from ${data.training_rows ?? data.cases.ids.length} cases. Everything is computed in this page.`;
+    if (!data.jet_known) at("about").textContent += " The jet behind the cases is not known; answers are for it alone.";
     build();
     const highest = Model.highestLevel();
     const levels = USUAL_LEVELS.filter((level) => level <= highest);
