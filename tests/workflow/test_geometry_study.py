@@ -19,6 +19,7 @@ SMALL = {
     "sampling": {"cases_per_block": 3, "ranges": {"particle_shear_modulus_gpa": 0.02}},
     "simulation": {
         "cases_per_job": 2,
+        "time_step_rayleigh_fraction": 0.1,
         "plate": {"facet_size_mm": 100},
         "factory": {"mass_rate_kg_s": 8},
         "stop": {"window_s": 0.5, "max_time_s": 1.5, "target_stderr": 1.0,
