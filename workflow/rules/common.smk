@@ -101,7 +101,10 @@ WEARS_SURFACE = SIMULATED and CONFIG.simulation.geometry.kind != "plate"
 NOTHING_VARIES = (
     "sampling.ranges: every quantity is held fixed, so nothing can be learned (allowed: a lower "
     "and an upper bound that differ for at least one; `snakemake dataset` makes the data set)"
-    if SIMULATED and not CALIBRATES and nothing_varies(sampled_ranges(CONFIG))
+    if SIMULATED
+    and not CALIBRATES
+    and not WEARS_SURFACE
+    and nothing_varies(sampled_ranges(CONFIG))
     else ""
 )
 
