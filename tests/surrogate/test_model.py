@@ -1,6 +1,7 @@
 """The surrogate: distillation, files without code, few imports, warnings outside its ranges."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -350,6 +351,11 @@ def test_parquet_for_predictions_is_read_by_the_one_reader(capsys, stem, tmp_pat
 # Speed
 
 
+def processor_time_of_children():
+    spent = os.times()
+    return spent.children_user + spent.children_system
+
+
 def test_the_command_is_light_and_quick(stem):
     code = (
         "import sys; from abradem.cli.main import main\n"
@@ -359,9 +365,10 @@ def test_the_command_is_light_and_quick(stem):
     )
     seconds = []
     for _ in range(3):
-        begin = time.perf_counter()
+        # Processor time: what else the machine does is not the command's.
+        begin = processor_time_of_children()
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-        seconds.append(time.perf_counter() - begin)
+        seconds.append(processor_time_of_children() - begin)
         assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("wear depth rate ")
     assert min(seconds) < 1.0
@@ -372,9 +379,9 @@ def test_a_prediction_takes_less_than_a_millisecond(stem):
     surrogate.predict(CASE)
     seconds = []
     for _ in range(50):
-        begin = time.perf_counter()
+        begin = time.process_time()
         surrogate.predict(CASE)
-        seconds.append(time.perf_counter() - begin)
+        seconds.append(time.process_time() - begin)
     assert np.median(seconds) < 1e-3
 
 

@@ -39,6 +39,7 @@ rule physical:
         f"{RESULTS}/models/surrogate.json",
         f"{RESULTS}/learning/physical.json",
         f"{RESULTS}/learning/targets.parquet",
+        f"{RESULTS}/models/wear_maps.json" if SIMULATED else [],
         FRESH_COVERAGE,
 
 
@@ -246,6 +247,36 @@ rule reach:
 
 
 if SIMULATED:
+
+    rule wear_maps:
+        """The map surrogate, for `abradem predict --map` and the explorer, and its scores."""
+        input:
+            dataset=rules.dataset.output[0],
+            # As paths: Snakemake would hash a named list of outputs once for each of its files.
+            maps=batch_paths(f"{RESULTS}/maps/block-{{block}}-batch-{{batch}}.parquet"),
+            runs=RUNS,
+        output:
+            model=f"{RESULTS}/models/wear_maps.json",
+            model_arrays=f"{RESULTS}/models/wear_maps.safetensors",
+            scores=f"{RESULTS}/learning/map_scores.parquet",
+        log:
+            f"{LOGS}/wear_maps.log",
+        conda:
+            "../envs/abradem.yaml"
+        resources:
+            mem_mb=growing(LEARNING_MB),
+            runtime=growing(LEARNING_MINUTES),
+        params:
+            setup=SETUP,
+            table=LEARNED_FROM,
+            elements={
+                "measure": MEASURE,
+                "element_size": rate_options(CONFIG)["element_size"],
+            },
+            options={**SPLITS, "confidence": LEARNING.confidence},
+            code=code_of("physical/wear_maps"),
+        script:
+            "../scripts/physical/wear_maps.py"
 
     rule noise_floor:
         """The largest R2 that any model could reach."""

@@ -33,6 +33,7 @@ rule published_folder:
         rules.surrogate.output,
         rules.sensitivity.output,
         rules.reach.output,
+        rules.wear_maps.output,
         rules.noise_floor.output,
         rules.findings.output,
         rules.model_card.output,

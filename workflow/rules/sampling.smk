@@ -27,6 +27,7 @@ rule sample:
             "cases_per_block": CONFIG.sampling.cases_per_block,
             "method": CONFIG.sampling.method,
             "ranges": sampled_ranges(CONFIG),
+            "geometry": geometry_ranges(CONFIG),
         },
         setup=SETUP,
         code=code_of("sampling/sample"),

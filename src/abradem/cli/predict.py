@@ -19,6 +19,7 @@ from abradem.cli.given_values import (
     say_preset,
 )
 from abradem.cli.inverse_questions import Depth, print_extremes, print_solution, target_of
+from abradem.cli.predict_map import check_map_path, predict_map
 from abradem.cli.predict_words import NO_END, depth_words, rate_text, warn
 from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
 from abradem.learning.number_text import number_or_words
@@ -109,6 +110,12 @@ def add_parser(commands) -> None:
         help="write the table with predictions, .csv or .parquet; default: print it as CSV",
     )
     parser.add_argument(
+        "--map",
+        type=Path,
+        metavar="FILE",
+        help="also write the predicted wear map of the plate: .png, .pdf, .svg, .parquet or .csv",
+    )
+    parser.add_argument(
         "--onnx", type=Path, metavar="FILE", help="write the surrogate as ONNX (extra: onnx)"
     )
     parser.set_defaults(run=run)
@@ -119,10 +126,13 @@ def run(options: argparse.Namespace) -> int:
     if options.output is not None and options.table is None:
         raise PredictionError("--output needs --table FILE")
     _refuse_combinations(options)
+    if options.map is not None:
+        check_map_path(options.map, options.table)
     given = given_values(options.values, options.material)
     depth = None if options.depth is None else depth_mm(options.depth)
     level = None if options.confidence is None else confidence_level(options.confidence)
-    surrogate = Surrogate.load(options.model or default_model())
+    model = options.model or default_model()
+    surrogate = Surrogate.load(model)
     if not surrogate.description.get("jet_known", True):
         warn(["the jet of the table behind the model is not known; answers are for it alone"])
     if options.onnx:
@@ -147,6 +157,8 @@ def run(options: argparse.Namespace) -> int:
         print_extremes(surrogate, given, options.extremes, level, target)
     else:
         _predict_case(surrogate, given, depth, level)
+        if options.map is not None:
+            print(predict_map(model, given.values, options.map))
     return 0
 
 
@@ -156,12 +168,16 @@ def _refuse_combinations(options: argparse.Namespace) -> None:
     inverse = [f"--{name}" for name in ("solve", "extremes") if getattr(options, name) is not None]
     if len(inverse) == 2:
         problems.append("--solve and --extremes are two questions; ask one at a time")
+    if inverse and options.map is not None:
+        problems.append(f"--map shows one prediction, not the answer to {inverse[0]}")
     if inverse and options.table is not None:
         problems.append(f"{inverse[0]} is for a single case, not for --table FILE")
     if options.solve is not None and None in (options.depth, options.hours):
         problems.append("--solve needs --depth VALUE and --hours VALUE")
     if options.solve is None and options.hours is not None:
         problems.append("--hours is for --solve; --depth alone gives the hours")
+    if inverse and options.map is not None:
+        problems.append(f"--map is not for {inverse[0]}")
     if options.target is not None and not inverse:
         problems.append("--target is for --solve and --extremes; a prediction gives all places")
     if options.extremes is not None and options.depth is not None:
