@@ -268,11 +268,13 @@ def chute_rows(code, variant, velocities, track):
     """Return the rows of the table of chutes.
 
     The impulse is that of the final velocities; the profile of the normal impulse is from samples
-    (x, y, f_x, f_y) of particles on the chute, with the forces that include gravity.
+    (x, y, f_x, f_y) of the particles that touch the chute, with the forces that include gravity.
     """
     given = chutes.impulse(np.asarray(velocities, dtype=float))
     x, y, fx, fy = np.array(track, dtype=float).T
-    segment = chutes.segment_of(x, y)
+    segment, distance = chutes.nearest_segment(x, y)
+    touching = distance < PARTICLE_RADIUS
+    segment, fx, fy = segment[touching], fx[touching], fy[touching]
     normal = chutes.normals()[segment]
     pushed = (normal[:, 0] * fx + normal[:, 1] * (fy + MASS * GRAVITY)) * TRACK_STEPS * chutes.STEP
     profile = np.bincount(segment, pushed, minlength=len(chutes.normals()))

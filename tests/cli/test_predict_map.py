@@ -49,7 +49,10 @@ def test_the_picture_is_drawn(models):
     ("options", "line"),
     [
         (["--map", "map.txt"], "--map map.txt: the name must end in one of .png, .pdf, .svg"),
-        (["--map", "map.png", "--table", "cases.csv"], "--map is for a single case"),
+        (
+            ["--map", "map.png", "--table", "cases.csv"],
+            "--map is for a single prediction",
+        ),
     ],
 )
 def test_a_map_that_cannot_be_made_is_one_line(models, capsys, options, line):
@@ -62,3 +65,14 @@ def test_a_study_without_maps_is_one_line(models, capsys):
     (models / "wear_maps.json").unlink()
     assert predict(models, "--map", str(models / "map.png")) == 2
     assert "a table, which holds no maps" in capsys.readouterr().err
+
+
+def test_the_map_is_scaled_to_the_mean_that_the_surrogate_predicts(tmp_path):
+    # Wear number 0.02 of the surrogate, 0.03 of the map surrogate.
+    write_flat_surrogate(tmp_path / "surrogate", JET, "wear_friction_mean")
+    description, arrays = flat_parts()
+    arrays["coefficients"][0, 0] = np.log(0.03)
+    write_model(description, arrays, tmp_path / "wear_maps.json")
+    assert predict(tmp_path, "--map", str(tmp_path / "map.csv")) == 0
+    rates = np.loadtxt(tmp_path / "map.csv", delimiter=",", skiprows=1)[:, 2]
+    np.testing.assert_allclose(rates, 0.02 * wear_scale(VALUES, JET), rtol=1e-6)

@@ -52,10 +52,6 @@ MALFORMED = {
         "study: a\nlearning:\n  ga_ann:\n    elites: 10\n",
         "config.yaml: learning.ga_ann.elites: 10: is too many for a population of 10 (allowed up to 9)",
     ),
-    "more_searches_than_splits": (
-        "study: a\nlearning:\n  repeats: 3\n  ga_ann:\n    searches: 5\n",
-        "config.yaml: learning.ga_ann.searches: 5: there are 3 splits, learning.repeats (allowed up to 3)",
-    ),
     "columns_without_a_table": (
         "study: a\ndataset:\n  columns: {plate_angle: slope}\n",
         'config.yaml: dataset.columns: {plate_angle: "slope"}: requires a table in dataset.external',
@@ -1069,16 +1065,6 @@ def test_the_estimate_adds_up_cases_and_starts_of_jobs():
     assert told(blocks=40, cores=8) == pytest.approx(told(blocks=5), rel=0.1)
 
 
-def test_a_table_is_asked_what_it_means():
-    for stated, words in (((), "dataset.jet and dataset.rate unk"), (("jet",), "dataset.rate unk")):
-        given = {"external": "t.csv", **dict.fromkeys(stated, "stated")}
-        assert words in estimate(Config(study="a", dataset=given), 2)
-    known = Config(study="a", dataset={"external": "t.csv", "jet": "stated", "rate": "stated"})
-    assert estimate(known, 2) == "a: learning from t.csv, nothing is simulated"
-    assert jet_is_known(known) and jet_is_known(Config(study="a"))
-    assert not jet_is_known(Config(study="a", dataset={"external": "t.csv"}))
-
-
 def test_the_estimate_is_at_least_the_time_of_the_most_expensive_batch():
     study = {
         "study": "a",
@@ -1095,3 +1081,13 @@ def test_the_estimate_is_at_least_the_time_of_the_most_expensive_batch():
     )
     assert seconds_told(config, cores=1) > 1.5 * seconds_told(config, cores=2)
     assert seconds_told(config, cores=100) == pytest.approx(max(alone), rel=0.05)
+
+
+def test_a_table_is_asked_what_it_means():
+    for stated, words in (((), "dataset.jet and dataset.rate unk"), (("jet",), "dataset.rate unk")):
+        given = {"external": "t.csv", **dict.fromkeys(stated, "stated")}
+        assert words in estimate(Config(study="a", dataset=given), 2)
+    known = Config(study="a", dataset={"external": "t.csv", "jet": "stated", "rate": "stated"})
+    assert estimate(known, 2) == "a: learning from t.csv, nothing is simulated"
+    assert jet_is_known(known) and jet_is_known(Config(study="a"))
+    assert not jet_is_known(Config(study="a", dataset={"external": "t.csv"}))

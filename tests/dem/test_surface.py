@@ -9,7 +9,8 @@ import pytest
 from abradem.dem import islands, simulate, synchronous
 from abradem.dem.agenda import make_agenda
 from abradem.dem.mesh import MOST_HITS, WALLS, make_mesh
-from abradem.dem.mesh_search import find_contacts, surface_distance
+from abradem.dem.mesh_flights import time_to_surface
+from abradem.dem.mesh_search import find_contacts, surface_distance, turn_to
 from abradem.dem.model import Case, Setup
 from abradem.dem.state import DONE, GONE, make_problem, make_state
 from abradem.dem.surface import CELL_SUMS, Feed, cell_areas, check_surface, standing_surface
@@ -88,7 +89,8 @@ def test_a_sphere_in_an_arc_has_one_contact_and_in_a_corner_three():
     radius = 0.01
     mesh = make_mesh(arc(0.1, -80.0, 80.0, 80, 0.1), radius, 1)
     for angle in np.radians(np.linspace(-70.0, 70.0, 101)):
-        reach = 0.1 - radius + 1e-5
+        # Deeper than the corners of the facets are outside the cylinder.
+        reach = 0.1 - radius + 1e-4
         x, y = reach * np.sin(angle), -reach * np.cos(angle)
         assert find_contacts(mesh, x, y, 0.001, MOST_HITS, WALLS) == 1
     floor = [(0, 0, 0), (0.1, 0, 0), (0.1, 0, 0.1), (0, 0, 0.1), (0, 0.1, 0), (0, 0.1, 0.1),
@@ -168,6 +170,34 @@ def test_both_steppings_give_the_same_bits(name):
             np.testing.assert_array_equal(rows[0][1][field][touching], rows[1][1][field][touching])
     assert slow.tally["worn_total"][0] > 0.0
     assert slow.tally["placed"][0] > 20
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_no_flight_touches_a_surface_before_its_bound(name):
+    setup = dataclasses.replace(SURFACES[name][1], time_step=5e-5)
+    problem, _ = make_problem(CASE, setup)
+    mesh = make_mesh(setup.surface, problem.radius, 1)
+    rng = np.random.default_rng(5)
+    met, shares = 0, []
+    for place, velocity in zip(
+        rng.uniform(-0.15, 0.15, (60, 3)), rng.uniform(-4.0, 4.0, (60, 3)), strict=True
+    ):
+        turn_to(problem, mesh, 0)
+        if surface_distance(mesh, *place) < problem.radius:
+            continue
+        bound = time_to_surface(problem, mesh, 0, np.inf, *place, *velocity)
+        for step in range(600):
+            time = step * problem.dt
+            x, y, z = place + velocity * time - [0.0, 0.5 * problem.gravity * time**2, 0.0]
+            turn_to(problem, mesh, step)
+            if find_contacts(mesh, x, y, z, MOST_HITS, WALLS) > 0:
+                assert time >= bound * (1.0 - 1e-9)
+                met += 1
+                shares.append(bound / time)
+                break
+    assert met >= 8
+    # Most flights are bounded closely, so that they are not examined again and again.
+    assert np.median(shares) > 0.9
 
 
 # A case

@@ -36,34 +36,36 @@ def dilute():
 
 
 PAPER = {
-    27: 57.0, 141: 37.0, 66: 15.0, 64: 10.0, 160: 7.0, 70: 5.9, 51: 3.5, 199: 2.7, 135: 2.4,
-    129: 0.21, 26: 0.083, 114: 0.040, 175: 0.022, 59: 0.009,
+    89: 71.0, 27: 57.0, 141: 37.0, 66: 15.0, 64: 10.0, 160: 7.0, 70: 5.9, 51: 3.5, 199: 2.7,
+    135: 2.4, 129: 0.21, 26: 0.083, 114: 0.040, 175: 0.022, 59: 0.009,
 }  # fmt: skip
 DILUTE = {
-    89: 10.0, 99: 8.0, 67: 2.4, 19: 1.9, 66: 1.3, 199: 1.2, 160: 0.85, 122: 0.84, 32: 0.71,
-    88: 0.69, 77: 0.082, 0: 0.037, 16: 0.024, 93: 0.022, 73: 0.013,
+    33: 69.0, 140: 28.0, 89: 10.0, 99: 8.0, 67: 2.4, 19: 1.9, 66: 1.3, 199: 1.2, 160: 0.85,
+    122: 0.84, 32: 0.71, 88: 0.69, 77: 0.082, 0: 0.037, 16: 0.024, 93: 0.022, 73: 0.013,
 }  # fmt: skip
 """Computing times of single cases, s, from the most expensive to the cheapest, by ``case_id``."""
 
 
-@pytest.mark.parametrize(("overrides", "measured"), [((), PAPER), (("dilute.yaml",), DILUTE)])
-def test_estimates_of_single_cases_are_near_the_measured_times(overrides, measured):
+@pytest.mark.parametrize(
+    ("overrides", "measured", "spread"), [((), PAPER, 1.6), (("dilute.yaml",), DILUTE, 2.2)]
+)
+def test_estimates_of_single_cases_are_near_the_measured_times(overrides, measured, spread):
     blocks, setup = study(*overrides)
     guess = np.concatenate([case_seconds(cases, setup) for cases in blocks])[list(measured)]
     seconds = np.array(list(measured.values()))
-    assert np.abs(np.log(guess / seconds)).max() < np.log(5.0)
-    assert np.log(guess / seconds).std() < np.log(1.9)
+    ratio = np.log(guess / seconds)
+    assert ratio.std() < np.log(spread)
+    assert np.abs(ratio).max() < 2.5 * np.log(spread)
     assert guess.sum() == pytest.approx(seconds.sum(), rel=0.5)
 
 
-def test_the_estimate_of_the_default_study_is_within_a_factor_of_one_and_a_half(paper):
-    # 828 s of computing for all of its cases; the two most expensive took 63 % of it.
-    blocks, setup = paper
+@pytest.mark.parametrize(("overrides", "measured"), [((), 828.0), (("dilute.yaml",), 138.0)])
+def test_the_estimate_of_a_study_is_within_a_factor_of_one_and_a_half(overrides, measured):
+    blocks, setup = study(*overrides)
     guess = np.concatenate([case_seconds(cases, setup) for cases in blocks])
-    assert 828.0 / 1.5 < guess.sum() < 828.0 * 1.5
-    most = np.sort(guess)[-2:]
-    assert set(np.flatnonzero(guess >= most[0])) == {33, 140}
-    assert 0.5 < most.sum() / guess.sum() < 0.8
+    assert measured / 1.5 < guess.sum() < measured * 1.5
+    # The two that took half to two thirds of all the time in both studies.
+    assert {33, 140} <= set(np.argsort(guess)[-2:])
 
 
 def changed(blocks, setup, **values):

@@ -210,7 +210,7 @@ rule calibration_page:
             f"{FOUND}/calibration.html",
             caption="../report/calibration.rst",
             category="Calibration",
-            labels={"table": "calibration in words"},
+            labels={"table": "calibration"},
         ),
         best=f"{FOUND}/best.yaml",
     log:

@@ -265,7 +265,7 @@ def latex_file(name):
         f"{RESULTS}/latex/{name}.tex",
         caption="../report/latex.rst",
         category="LaTeX",
-        labels={"file": name},
+        labels={"file": f"{name}.tex"},
     )
 
 

@@ -21,7 +21,7 @@ TABLE_FILES = {
     "sobol": rules.sensitivity.output.indices,
     "calibration": rules.intervals.output.calibration,
     "coverage": rules.intervals.output.regions,
-    **({"fresh_coverage": FRESH_COVERAGE[0]} if TESTED_WITH else {}),
+    **({"fresh_coverage": rules.fresh_coverage.output.coverage} if TESTED_WITH else {}),
     **({"failures": rules.failures.output[0]} if SIMULATED else {}),
 }
 
@@ -161,7 +161,7 @@ rule findings:
             f"{RESULTS}/models/findings.html",
             caption="../report/findings.rst",
             category="Models",
-            labels={"model": "on dimensionless groups", "content": "findings"},
+            labels={"file": "findings.html", "content": "findings in words"},
         ),
     log:
         f"{LOGS}/findings.log",

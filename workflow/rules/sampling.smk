@@ -45,7 +45,7 @@ rule join_cases:
             CASES,
             caption="../report/cases.rst",
             category="Data",
-            labels={"table": "parameter sets"},
+            labels={"file": "cases.parquet"},
         ),
     log:
         f"{LOGS}/join_cases.log",

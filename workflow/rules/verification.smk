@@ -36,6 +36,7 @@ VERIFICATION_FIGURES = {
     "conveyor": ["conveyor_rates"],
     "trends": ["trends_measurements", "trends_exponents"],
     "heap": ["facets_and_bed_heap"],
+    "chute": ["surfaces_chutes"],
     **{
         f"chung_ooi_{number}": ["chung_ooi_tests", "chung_ooi_measured"]
         for number in range(1, 9)

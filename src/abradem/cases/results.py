@@ -267,7 +267,7 @@ class CaseResult(SimulationResult):
         from abradem.figures.style import title_own_case, write_below
 
         title_own_case(figure.axes[0], vars(self.case))
-        write_below(figure, figure.get_label())
+        write_below(figure, str(figure.get_label()))
         return figure
 
     def _tables(self) -> dict:

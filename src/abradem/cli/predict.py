@@ -127,7 +127,7 @@ def run(options: argparse.Namespace) -> int:
         raise PredictionError("--output needs --table FILE")
     _refuse_combinations(options)
     if options.map is not None:
-        check_map_path(options.map, options.table)
+        check_map_path(options.map)
     given = given_values(options.values, options.material)
     depth = None if options.depth is None else depth_mm(options.depth)
     level = None if options.confidence is None else confidence_level(options.confidence)
@@ -158,7 +158,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         _predict_case(surrogate, given, depth, level)
         if options.map is not None:
-            print(predict_map(model, given.values, options.map))
+            print(predict_map(model, surrogate, given.values, options.map))
     return 0
 
 
@@ -182,6 +182,8 @@ def _refuse_combinations(options: argparse.Namespace) -> None:
         problems.append("--target is for --solve and --extremes; a prediction gives all places")
     if options.extremes is not None and options.depth is not None:
         problems.append("--depth is not for --extremes, which gives rates")
+    if options.map is not None and (inverse or options.table is not None):
+        problems.append("--map is for a single prediction, without --table, --solve or --extremes")
     if problems:
         raise PredictionError("\n".join(problems))
 

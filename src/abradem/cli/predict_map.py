@@ -7,38 +7,33 @@ from pathlib import Path
 
 import numpy as np
 
+from abradem.quantities import wear_column
 from abradem.surrogate.maps import STEM, MapSurrogate
-from abradem.surrogate.model import PredictionError
+from abradem.surrogate.model import PredictionError, Surrogate
 from abradem.units import MM_PER_M
 
 PICTURES, TABLES = (".png", ".pdf", ".svg"), (".parquet", ".csv")
 
 
-def check_map_path(path: Path, table: str | None) -> None:
-    """Raise `PredictionError` if no map can be written there, before anything is computed.
-
-    Parameters
-    ----------
-    path : Path
-        The value of --map.
-    table : str or None
-        The value of --table: a map is of a single case.
-    """
-    if table is not None:
-        raise PredictionError("--map is for a single case, given by NAME=VALUE, not for --table")
+def check_map_path(path: Path) -> None:
+    """Raise `PredictionError` if the name is not that of a map, before anything is computed."""
     if path.suffix.lower() not in (*PICTURES, *TABLES):
         raise PredictionError(
             f"--map {path}: the name must end in one of {', '.join((*PICTURES, *TABLES))}"
         )
 
 
-def predict_map(model: str | Path, values: Mapping[str, float], path: Path) -> str:
+def predict_map(
+    model: str | Path, surrogate: Surrogate, values: Mapping[str, float], path: Path
+) -> str:
     """Write the predicted wear map of a case, and return a line on it.
 
     Parameters
     ----------
     model : path
         Stem of the surrogate; the map surrogate is in the same folder.
+    surrogate : Surrogate
+        If it predicts the mean over the plate, the map is scaled to it.
     values : mapping of str to float
         The sampled quantities, checked.
     path : Path
@@ -49,14 +44,17 @@ def predict_map(model: str | Path, values: Mapping[str, float], path: Path) -> s
     PredictionError
         If the map surrogate cannot be read.
     """
-    surrogate = MapSurrogate.load(Path(model).parent / f"{STEM}.json")
-    maps = surrogate.predict(values)
-    rate, measure = maps.rate[0], surrogate.description["target"]["measure"]
+    found = MapSurrogate.load(Path(model).parent / f"{STEM}.json")
+    measure = found.description["target"]["measure"]
+    mean = wear_column(measure, "mean")
+    level = surrogate.predict(values, target=mean).rate if mean in surrogate.models else None
+    maps = found.predict(values, level)
+    rate = maps.rate[0]
     if path.suffix.lower() in PICTURES:
         from abradem.figures.predicted_map import predicted_map_figure
         from abradem.figures.style import save
 
-        plate = {side: MM_PER_M * size for side, size in surrogate.description["plate"].items()}
+        plate = {side: MM_PER_M * size for side, size in found.description["plate"].items()}
         figure = predicted_map_figure(rate, plate, values, measure)
         save(figure, path.with_suffix(""), [path.suffix.lower().removeprefix(".")])
     else:

@@ -251,12 +251,6 @@ def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
                 ("learning", "ga_ann", name),
                 f"is too many for a population of {network.population} (allowed up to {most})",
             )
-    if network.searches > config.learning.repeats:
-        yield (
-            ("learning", "ga_ann", "searches"),
-            f"there are {config.learning.repeats} splits, learning.repeats (allowed up to "
-            f"{config.learning.repeats})",
-        )
     points = config.learning.physical.sobol_points
     if points & (points - 1):
         yield ("learning", "physical", "sobol_points"), "is not a power of two"

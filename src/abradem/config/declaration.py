@@ -801,10 +801,10 @@ class GaAnn(Section):
         10, "Trainings of the best network from different start weights.", ge=1, le=1000
     )
     searches: int = _key(
-        1,
+        5,
         "Number of leakage-free searches, each in the training rows of a different split, which "
-        "take that many times as long as one. On all other splits the network found by the first "
-        "search is trained and scored.",
+        "take that many times as long as one; at most one for each of learning.repeats splits. On "
+        "all other splits the network found by the first search is trained and scored.",
         ge=1,
         le=1000,
     )

@@ -127,7 +127,8 @@ def _share(compiled, folder: Path) -> None:
     cache: Any = getattr(compiled, "_cache", None)
     file: Any = getattr(cache, "_cache_file", None)
     locator: Any = getattr(getattr(cache, "_impl", None), "locator", None)
-    if type(file) is not _robust_file() or not hasattr(locator, "_cache_path"):
+    known = type(file) is _robust_file() and hasattr(locator, "_cache_path")
+    if not known:
         # Another version of numba is organised differently: its own folders are used.
         return
     folder.mkdir(parents=True, exist_ok=True)

@@ -77,12 +77,12 @@ def to_frame(frame, x, y, z):
     if frame.spin == 0.0:
         return x, y, z
     arm = (x - frame.px, y - frame.py, z - frame.pz)
-    turned = _turned(frame, arm, -frame.sin)
-    return turned[0] + frame.px, turned[1] + frame.py, turned[2] + frame.pz
+    back = turned(frame, arm, -frame.sin)
+    return back[0] + frame.px, back[1] + frame.py, back[2] + frame.pz
 
 
 @kernel(inline=True)
-def _turned(frame, v, sin):
+def turned(frame, v, sin):
     """Vector v turned about the axis of a frame by its angle (Rodrigues 1840)."""
     axis = (frame.dx, frame.dy, frame.dz)
     along = dot(axis, v) * (1.0 - frame.cos)
@@ -233,7 +233,7 @@ def _hit(mesh, frame, f, i, x, y, z, found, most_hits):
             return found
     hit = hits[at]
     if frame.spin != 0.0:
-        n = _turned(frame, n, frame.sin)
+        n = turned(frame, n, frame.sin)
     hit.nx, hit.ny, hit.nz = n
     hit.distance = distance
     hit.triangle = i
@@ -255,15 +255,8 @@ def surface_distance(mesh, x, y, z):
         fx, fy, fz = to_frame(frame, x, y, z)
         cell = cell_in(frame, fx, fy, fz)
         if cell >= 0:
-            least2 = min(least2, distance2_in_cell(mesh, cell, fx, fy, fz))
+            for m in range(mesh.cell_first[cell], mesh.cell_first[cell + 1]):
+                i = mesh.cell_triangles[m]
+                near = nearest_on_triangle(mesh.sides, mesh.normals, i, fx, fy, fz)
+                least2 = min(least2, near[0])
     return math.sqrt(least2)
-
-
-@kernel(inline=True)
-def distance2_in_cell(mesh, cell, x, y, z):
-    """Least squared distance of a point of a frame to the triangles listed in a cell, m2."""
-    least2 = np.inf
-    for m in range(mesh.cell_first[cell], mesh.cell_first[cell + 1]):
-        i = mesh.cell_triangles[m]
-        least2 = min(least2, nearest_on_triangle(mesh.sides, mesh.normals, i, x, y, z)[0])
-    return least2

@@ -43,7 +43,7 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
                 if model in rows.index:
                     row, colour = rows.loc[model], style.PROTOCOL_COLOURS[protocol]
                     below |= _interval(panel, row, place + shift, colour, marker)
-                    shown += [unexplained(row[name]) for name in ("r2", "r2_upper")]
+                    shown += [float(unexplained(row[name])) for name in ("r2", "r2_upper")]
         printed = beside_paper["printed_r2"].to_numpy(dtype=float)
         panel.plot(
             unexplained(printed), places - 0.16, "|", ms=8.0, mew=1.6, color=style.BLACK, zorder=3
@@ -208,12 +208,12 @@ def _parity(panel, rows: pd.DataFrame, ends, unit: float, marker: str, colour: s
         actual[inside] / unit, predicted[inside] / unit, marker, ms=2.6, mew=0.7, color=colour,
         alpha=0.7,
     )  # fmt: skip
-    for end, shape, out in (
-        (ends[0], "v", predicted < ends[0]),
-        (ends[1], "^", predicted > ends[1]),
-    ):
-        panel.plot(
-            actual[out] / unit, np.full(out.sum(), end / unit), shape, ms=3.0, mew=0.0,
-            color=colour, alpha=0.7, clip_on=False,
-        )  # fmt: skip
+    for end, shape in ((ends[0], "v"), (ends[1], "^")):
+        out = (predicted < end) if shape == "v" else (predicted > end)
+        # A line without points and without clipping would have no place in the layout.
+        if out.any():
+            panel.plot(
+                actual[out] / unit, np.full(out.sum(), end / unit), shape, ms=3.0, mew=0.0,
+                color=colour, alpha=0.7, clip_on=False,
+            )  # fmt: skip
     return not inside.all()

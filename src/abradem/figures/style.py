@@ -360,7 +360,7 @@ def save(figure: Figure, stem: str | Path, formats: Iterable[str] = FORMATS) -> 
     list of Path
         The files written.
     """
-    text = figure.get_label()
+    text = str(figure.get_label())
     metadata = {
         "pdf": {"CreationDate": None, "Creator": "abradem", "Subject": text or None},
         "png": {"Software": None, **({"Description": text} if text else {})},

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator, ScalarFormatter
 
 from abradem.figures import style
+from abradem.figures.chute_verification import chute_figure
 
 _EXACT = {"color": style.BLACK, "ls": "--", "lw": 0.9, "label": "exact", "zorder": 3}
 _SMALL = {"ms": 2.5, "lw": 0.8}
@@ -419,6 +420,7 @@ FIGURES = {
     "conveyor": conveyor_figure,
     "trends": trends_figure,
     "heap": heap_figure,
+    "chute": chute_figure,
     **{f"chung_ooi_{number}": _chung_ooi(number) for number in range(1, 9)},
 }
 """Drawing functions by the name of the figure; the workflow defines the tables of each."""

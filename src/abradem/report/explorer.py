@@ -21,10 +21,11 @@ import pandas as pd
 from abradem.dataset.variation import SAME, held_fixed, scales_of
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
 from abradem.report.explorer_parts import FILES
+from abradem.surrogate.domain import HARMLESS, NEIGHBOURS, SLACK, Domain
 from abradem.surrogate.javascript import group_functions
 from abradem.surrogate.maps import MapSurrogate
-from abradem.surrogate.model import SLACK, Surrogate
-from abradem.surrogate.parts import NETWORKS
+from abradem.surrogate.model import Surrogate
+from abradem.surrogate.networks import RateModel
 from abradem.units import accepted, conversion
 from abradem.words.labels import LABELS
 from abradem.words.wear import WearTarget, wear_words
@@ -110,6 +111,7 @@ def explorer_data(
 ) -> dict[str, Any]:
     """What the page knows, as plain values; the parameters are those of `explorer_page`."""
     target = description["target"]
+    surrogate = Surrogate(description, arrays)
     rows = dataset.sort_values("case_id").head(MOST_CASES)
     order = [name for names in SECTIONS.values() for name in names]
     return {
@@ -121,17 +123,10 @@ def explorer_data(
         "training_rows": description.get("training_rows"),
         "group_mean": stored(arrays["group_mean"]),
         "group_scale": stored(arrays["group_scale"]),
-        "rates": [
-            _rate(one, arrays, prefix)
-            for one, prefix in (
-                (target, ""),
-                *(
-                    (one["target"], f"local.{one['target']['name']}.")
-                    for one in description.get("local", ())
-                ),
-            )
-        ],
-        "domain": None,
+        "rates": [_rate(model) for model in surrogate.models.values()],
+        "harmless": HARMLESS,
+        "domain": None if surrogate.domain is None else _domain(surrogate.domain),
+        "jet_known": description.get("jet_known", True),
         "maps": None if maps is None else _maps(maps),
         "cases": {
             "ids": [int(key) for key in rows["case_id"]],
@@ -185,25 +180,28 @@ def _quantities(description: Mapping) -> list[dict[str, Any]]:
     return found
 
 
-def _rate(target: Mapping, arrays: Mapping[str, np.ndarray], prefix: str) -> dict[str, Any]:
+def _rate(model: RateModel) -> dict[str, Any]:
     """Networks and held-out errors of one wear rate."""
-    size = target.get("element_size")
-    place = wear_words(target["name"], size)
-    layers = {}
-    for network in NETWORKS:
-        count = sum(key.startswith(f"{prefix}{network}_weights_") for key in arrays)
-        layers[network] = [
-            {
-                part: stored(arrays[f"{prefix}{network}_{part}_{number}"])
-                for part in ("weights", "biases")
-            }
-            for number in range(count)
-        ]
+    place = wear_words(model.target["name"], model.target.get("element_size"))
+    layers = {
+        network: [{"weights": stored(weights), "biases": stored(biases)} for weights, biases in of]
+        for network, of in model.layers.items()
+    }
     return {
-        "name": target["name"],
+        "name": model.target["name"],
         "place": place[:1].upper() + place[1:],
-        "scores": stored(np.sort(arrays[f"{prefix}conformal"])),
+        "scores": stored(model.scores),
+        "at_least": model.at_least,
         **layers,
+    }
+
+
+def _domain(domain: Domain) -> dict[str, Any]:
+    return {
+        "rows": stored(domain.rows),
+        "slopes": stored(domain.slopes),
+        "limit": domain.limit,
+        "neighbours": NEIGHBOURS,
     }
 
 

@@ -73,18 +73,18 @@ class Costs(NamedTuple):
         Exponent, on a level plate, of the time in which the feed covers the plate once.
     """
 
-    case: float = 9.2e-3
+    case: float = 9.5e-3
     second: float = 1.1e-4
-    particle: float = 1.1e-5
-    contact: float = 0.161
-    radius: float = -0.32
+    particle: float = 1.2e-5
+    contact: float = 0.207
+    radius: float = -0.40
     tilt: float = -7.1
-    speed: float = -1.04
-    restitution: float = 3.0
-    rolling: float = 0.32
-    meeting: float = 1.27
-    cooling: float = 1.48
-    cover: float = 1.19
+    speed: float = -1.24
+    restitution: float = 2.7
+    rolling: float = 0.37
+    meeting: float = 1.08
+    cooling: float = 1.09
+    cover: float = 1.14
 
 
 COSTS = Costs()

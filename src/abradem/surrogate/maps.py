@@ -33,7 +33,7 @@ from abradem.store.checksums import damage, remedy
 from abradem.store.errors import TableError
 from abradem.store.files import read_arrays, read_json
 from abradem.surrogate.groups import GROUP_NAMES, Jet, group_matrix, wear_scale
-from abradem.surrogate.model import PredictionError
+from abradem.surrogate.inputs import PredictionError
 from abradem.units import MM_PER_M
 
 STEM = "wear_maps"
@@ -108,7 +108,7 @@ class MapSurrogate:
             raise PredictionError(line)
         return cls(description, arrays)
 
-    def predict(self, values: Mapping[str, ArrayLike]) -> WearMaps:
+    def predict(self, values: Mapping[str, ArrayLike], mean: ArrayLike | None = None) -> WearMaps:
         """Predict the wear maps of some cases.
 
         Parameters
@@ -116,6 +116,9 @@ class MapSurrogate:
         values : mapping of str to float or array
             The 14 sampled quantities in the units of `abradem.quantities`, broadcast to shape
             (n,). `abradem.surrogate.model.Surrogate.predict` checks such values.
+        mean : array, shape (n,), optional
+            Wear depth rate in the mean over the plate, mm/s, such as that of the surrogate of the
+            rates; by default the one of this model.
 
         Returns
         -------
@@ -127,6 +130,9 @@ class MapSurrogate:
         columns = dict(zip(columns, np.broadcast_arrays(*columns.values()), strict=True))
         numbers = wear_numbers(self.arrays, group_matrix(columns, self.jet), self.floor)
         rate = wear_scale(columns, self.jet)[:, None, None] * numbers
+        if mean is not None:
+            own = rate.mean(axis=(1, 2))
+            rate = rate * (np.atleast_1d(mean) / own)[:, None, None]
         return WearMaps(rate, *self.centres())
 
     @property

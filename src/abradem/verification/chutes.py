@@ -43,12 +43,10 @@ def chute_profile() -> np.ndarray:
     """Return the corners (x, y) of the chute from its upper end on, m, shape (segments + 1, 2)."""
     turn = (STEEP - FLAT) / ARC_FACETS
     facet = 2.0 * ARC_RADIUS * np.sin(np.radians(0.5 * turn))
-    slopes = [STEEP] * PLATE_FACETS
-    slopes += [STEEP - (k + 0.5) * turn for k in range(ARC_FACETS)]
-    slopes += [FLAT] * PLATE_FACETS
+    bent = STEEP - (np.arange(ARC_FACETS) + 0.5) * turn
+    slopes = np.radians(np.concatenate([[STEEP] * PLATE_FACETS, bent, [FLAT] * PLATE_FACETS]))
     plate = [PLATE_LENGTH / PLATE_FACETS] * PLATE_FACETS
-    lengths = [*plate, *[facet] * ARC_FACETS, *plate]
-    slopes, lengths = np.radians(slopes), np.array(lengths)
+    lengths = np.concatenate([plate, [facet] * ARC_FACETS, plate])
     steps = np.stack([lengths * np.cos(slopes), -lengths * np.sin(slopes)], axis=1)
     return UPPER_END + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 
@@ -86,14 +84,15 @@ def impulse(velocities: np.ndarray) -> tuple[float, float]:
     return float(-Scene().mass * given[0]), float(Scene().mass * given[1])
 
 
-def segment_of(x, y) -> np.ndarray:
-    """Return the segment of the profile that is nearest to each point."""
+def nearest_segment(x, y) -> tuple[np.ndarray, np.ndarray]:
+    """Return the segment of the profile that is nearest to each point, and its distance, m."""
     corners = chute_profile()
     begin, along = corners[:-1], np.diff(corners, axis=0)
     arm = np.stack([x, y], axis=-1)[..., None, :] - begin
     share = np.clip((arm * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
     away = arm - share[..., None] * along
-    return (away**2).sum(axis=-1).argmin(axis=-1)
+    distance = np.sqrt((away**2).sum(axis=-1))
+    return distance.argmin(axis=-1), distance.min(axis=-1)
 
 
 def normals() -> np.ndarray:

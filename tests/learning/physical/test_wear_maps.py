@@ -7,13 +7,13 @@ from tables import product_law
 
 from abradem.learning.physical import wear_maps as module
 from abradem.learning.physical.problem import problem
-from abradem.learning.physical.wear_maps import Plate, fit_maps, map_scores, ridge, wear_maps
+from abradem.learning.physical.wear_maps import PlateSides, fit_maps, map_scores, ridge, wear_maps
 from abradem.learning.protocols import repeated_splits
 from abradem.surrogate.groups import Jet
 from abradem.surrogate.maps import MapSurrogate, second_order, wear_numbers
 
 JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
-PLATE = Plate(0.3, 0.24)
+PLATE = PlateSides(0.3, 0.24)
 NX, NZ = 10, 8
 SPLITS = {"test_share": 0.2, "repeats": 3, "seed": 1}
 
@@ -140,7 +140,7 @@ def test_the_possible_score_is_the_share_of_the_variance_that_is_no_scatter():
 def test_scores_of_known_maps():
     actual = np.full((2, 4, 4), 1.0)
     actual[0, 1, 1], actual[1, 2, 0] = 3.0, 5.0
-    plate = Plate(0.4, 0.4)
+    plate = PlateSides(0.4, 0.4)
     perfect = map_scores(actual, actual, np.ones(2), plate)
     assert [perfect[name] for name in ("map_R2", "shape_R2", "maximum_R2_log")] == [1.0] * 3
     assert perfect["maximum_ratio"] == 1.0 and perfect["place_distance"] == 0.0

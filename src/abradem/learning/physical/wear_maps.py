@@ -61,7 +61,7 @@ UNITS = {
 """Metrics and their units, see `map_scores`."""
 
 
-class Plate(NamedTuple):
+class PlateSides(NamedTuple):
     """Length and width of the plate, m."""
 
     length: float
@@ -71,7 +71,7 @@ class Plate(NamedTuple):
 def wear_maps(
     given: WearProblem,
     maps: np.ndarray,
-    plate: Plate,
+    plate: PlateSides,
     measure: str,
     test_share: float = 0.2,
     repeats: int = 20,
@@ -87,7 +87,7 @@ def wear_maps(
     maps : ndarray, shape (n, nx, nz)
         Wear depth rate of the elements for the rows of ``given``, mm/s, all nan for cases without
         a map, see `abradem.wear.element_maps.element_maps`.
-    plate : Plate
+    plate : PlateSides
     measure : str
         Wear measure of the maps.
     test_share, repeats, seed
@@ -216,7 +216,7 @@ def evaluate_maps(
     given: WearProblem,
     numbers: np.ndarray,
     known: np.ndarray,
-    plate: Plate,
+    plate: PlateSides,
     test_share: float = 0.2,
     repeats: int = 20,
     seed: int = 0,
@@ -230,7 +230,7 @@ def evaluate_maps(
         Wear numbers of the elements.
     known : ndarray of bool, shape (n,)
         Cases with a map; the others are left out on both sides of a split.
-    plate : Plate
+    plate : PlateSides
     test_share, repeats, seed
         See `abradem.learning.protocols.repeated_splits`.
     """
@@ -256,7 +256,7 @@ def evaluate_maps(
 
 
 def map_scores(
-    actual: np.ndarray, predicted: np.ndarray, scale: np.ndarray, plate: Plate
+    actual: np.ndarray, predicted: np.ndarray, scale: np.ndarray, plate: PlateSides
 ) -> dict[str, float]:
     """Scores of predicted maps.
 
@@ -266,7 +266,7 @@ def map_scores(
         Wear numbers of the elements.
     scale : ndarray, shape (n,)
         Scale of the wear, mm/s.
-    plate : Plate
+    plate : PlateSides
 
     Returns
     -------
@@ -315,7 +315,7 @@ def possible_shape_r2(shape: np.ndarray) -> float:
     return 2.0 * float(np.sum(one * other)) / power if power > 0.0 else np.nan
 
 
-def _apart(actual: np.ndarray, predicted: np.ndarray, plate: Plate) -> np.ndarray:
+def _apart(actual: np.ndarray, predicted: np.ndarray, plate: PlateSides) -> np.ndarray:
     """Distance between the worst elements of two maps of each case, mm.
 
     A predicted map is symmetric about the middle of the width, so its worst element has a twin;
@@ -332,6 +332,6 @@ def _apart(actual: np.ndarray, predicted: np.ndarray, plate: Plate) -> np.ndarra
     return MM_PER_M * away
 
 
-def plate_of(setup: Mapping) -> Plate:
+def plate_of(setup: Mapping) -> PlateSides:
     """Plate of a set-up, given as plain values of a `Setup`."""
-    return Plate(setup["plate_length"], setup["plate_width"])
+    return PlateSides(setup["plate_length"], setup["plate_width"])

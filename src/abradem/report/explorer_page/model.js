@@ -74,7 +74,9 @@ const Model = (() => {
     const z = standardised(values);
     const scale = wearScale(values);
     return which.map((rate) => {
-      const { mean, spread } = logNumber(rate, z);
+      const { mean: own, spread } = logNumber(rate, z);
+      const bound = rate.at_least && rates.find(({ name }) => name === rate.at_least);
+      const mean = bound ? Math.max(own, logNumber(bound, z).mean) : own;
       const median = scale * Math.exp(mean);
       const ratio = Math.exp(quantile(rate.scores, confidence) * Math.exp(spread));
       return { rate: median, lower: median / ratio, upper: median * ratio };
@@ -143,7 +145,7 @@ const Model = (() => {
     const end = Math.min(Math.max(values[quantity.name], quantity.low), quantity.high);
     const here = logNumber(rates[0], standardised(values));
     const there = logNumber(rates[0], standardised({ ...values, [quantity.name]: end }));
-    return !(Math.abs(here.mean - there.mean) <= domain.harmless * Math.exp(here.spread));
+    return !(Math.abs(here.mean - there.mean) <= data.harmless * Math.exp(here.spread));
   }
 
   // Quantities beyond their training ranges that matter, and whether the case is far from all.
@@ -152,9 +154,8 @@ const Model = (() => {
       ({ name, least, most }) =>
         name !== "archard_constant" && (values[name] < least || values[name] > most),
     );
-    if (!domain) return { quantities: beyond, far: false };
     const named = beyond.filter((one) => one.fixed || moves(values, one));
-    return { quantities: named, far: !named.length && isFar(standardised(values)) };
+    return { quantities: named, far: Boolean(domain) && !named.length && isFar(standardised(values)) };
   }
 
   const cases = data.cases && {

@@ -215,7 +215,7 @@
       },
     ], {
       font: FONT, margin: { l: 58, r: 10, t: 8, b: 48 },
-      xaxis: { title: { text: "x along the slope, upwards to the right (mm)" }, constrain: "domain", fixedrange: true },
+      xaxis: { title: { text: "x, up the slope (mm)" }, constrain: "domain", fixedrange: true },
       yaxis: { title: { text: "z across (mm)" }, scaleanchor: "x", constrain: "domain", fixedrange: true },
     }, SETTINGS);
     const average = rates.reduce((a, b) => a + b, 0) / rates.length;
@@ -288,7 +288,7 @@
     const rows = Math.ceil(varied.length / columns);
     const rate = Model.rates[state.place];
     const layout = {
-      font: { ...FONT, size: 11 }, showlegend: false, height: 165 * rows + 20,
+      font: { ...FONT, size: 11 }, showlegend: false, height: 175 * rows + 20,
       margin: { l: 52, r: 8, t: 6, b: 10 }, annotations: [],
     };
     const all = [];
@@ -300,11 +300,11 @@
       const top = 1 - line / rows;
       layout[`xaxis${number}`] = {
         domain: [left, (column + 1) / columns - gap / 2], anchor: `y${number}`, fixedrange: true, nticks: 4,
-        type: one.decades ? "log" : "linear", title: { text: title(one), standoff: 2, font: { size: 11 } },
+        type: one.decades ? "log" : "linear", title: { text: title(one).replace(/ \((?=[^(]*$)/, "<br>("), standoff: 2, font: { size: 11 } },
         ...(one.decades ? { dtick: 1 } : {}), exponentformat: "power",
       };
       layout[`yaxis${number}`] = {
-        domain: [top - 1 / rows + 52 / (165 * rows), top - 0.01], anchor: `x${number}`, fixedrange: true,
+        domain: [top - 1 / rows + 64 / (175 * rows), top - 0.01], anchor: `x${number}`, fixedrange: true,
         type: "log", dtick: 1, exponentformat: "power", showticklabels: column === 0,
         ...(place ? { matches: "y" } : {}),
       };
@@ -349,26 +349,31 @@
   let waiting = false;
   let idle = 0;
 
+  function drawFirst() {
+    if (!waiting) return;
+    waiting = false;
+    const predictions = Model.predict(state.values, state.confidence);
+    drawNumbers(predictions);
+    drawWarnings();
+    drawMap(predictions);
+    drawCurve(predictions);
+    drawCommand();
+  }
+
+  function drawRest() {
+    drawFirst();
+    drawCurves(Model.predict(state.values, state.confidence));
+    drawNearest();
+    document.body.dataset.state = "drawn";
+  }
+
   // Numbers, map and curve follow a slider at once, the rest when it rests.
   function update() {
+    document.body.dataset.state = "waiting";
     clearTimeout(idle);
-    idle = setTimeout(() => {
-      const predictions = Model.predict(state.values, state.confidence);
-      drawCurves(predictions);
-      drawNearest();
-      document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
-    }, 150);
-    if (waiting) return;
+    idle = setTimeout(drawRest, 150);
+    if (!waiting) requestAnimationFrame(drawFirst);
     waiting = true;
-    requestAnimationFrame(() => {
-      waiting = false;
-      const predictions = Model.predict(state.values, state.confidence);
-      drawNumbers(predictions);
-      drawWarnings();
-      drawMap(predictions);
-      drawCurve(predictions);
-      drawCommand();
-    });
   }
 
   function select(name) {
@@ -385,7 +390,8 @@
   function start() {
     at("study").textContent = data.study;
     at("about").textContent =
-      `Predictions of the surrogate that learned from ${data.training_rows ?? data.cases.ids.length} simulated cases. Everything is computed in this page.`;
+      `Predictions of the surrogate that learned from ${data.training_rows ?? data.cases.ids.length} cases. Everything is computed in this page.`;
+    if (!data.jet_known) at("about").textContent += " The jet behind the cases is not known; answers are for it alone.";
     build();
     const highest = Model.highestLevel();
     const levels = USUAL_LEVELS.filter((level) => level <= highest);
