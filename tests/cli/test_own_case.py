@@ -272,7 +272,7 @@ def test_all_that_is_wrong_is_told_at_once_and_nothing_is_simulated(capsys, aske
         "plate_angel (did you mean plate_angle?): no such quantity",
         "--duration -1s: must be positive",
         "--set x: is not of the form KEY=VALUE",
-        "--map x.txt: must end with one of .parquet, .csv, .png, .pdf, .svg",
+        "--map x.txt: must end with one of .parquet, .csv, .png, .pdf, .svg, .vtp",
         "--series folder.png: is a folder; name a file",
         "--seed -1: is outside 0 ... 9223372036854775807",
         "--interval needs --snapshots FOLDER",
@@ -317,10 +317,10 @@ def test_one_line_says_what_is_wrong(capsys, asked, arguments, line):
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_compilation_is_said_before_and_after(monkeypatch, capsys, compiled):
     from abradem.cli.case_input import load_kernels
-    from abradem.dem import warm
+    from abradem.dem import cache, warm
 
     loaded = []
-    monkeypatch.setattr(warm, "is_compiled", lambda stepping: compiled)
+    monkeypatch.setattr(cache, "is_compiled", lambda stepping: compiled)
     monkeypatch.setattr(warm, "load", loaded.append)
     load_kernels("islands")
     lines = capsys.readouterr().err.splitlines()
@@ -331,19 +331,19 @@ def test_a_compilation_is_said_before_and_after(monkeypatch, capsys, compiled):
 
 
 def test_a_stepping_is_compiled_when_its_kernel_is_in_the_cache(monkeypatch, tmp_path):
-    from abradem.dem import warm
+    from abradem.dem import cache
 
-    monkeypatch.setattr(warm, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
     (tmp_path / "dem_0").mkdir()
     (tmp_path / "dem_0" / "islands.advance-80.py311.nbi").write_bytes(b"")
-    assert warm.is_compiled("islands") and not warm.is_compiled("synchronous")
+    assert cache.is_compiled("islands") and not cache.is_compiled("synchronous")
 
 
 def test_the_real_kernels_are_found_in_the_cache_once_they_are_loaded():
-    from abradem.dem import warm
+    from abradem.dem import cache, warm
 
     warm.load("islands")
-    assert warm.is_compiled("islands")
+    assert cache.is_compiled("islands")
 
 
 # Lists and ranges

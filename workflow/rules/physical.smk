@@ -62,10 +62,7 @@ rule fit_physical:
             f"{RESULTS}/learning/physical.json",
             caption="../report/physical.rst",
             category="Models",
-            labels={
-                "model": "on dimensionless groups",
-                "content": "power law, scores",
-            },
+            labels={"file": "physical.json", "content": "power law, scores"},
         ),
         process=f"{RESULTS}/models/gaussian_process.json",
         process_arrays=f"{RESULTS}/models/gaussian_process.safetensors",
@@ -153,7 +150,7 @@ rule surrogate:
             f"{RESULTS}/models/surrogate.json",
             caption="../report/surrogate.rst",
             category="Models",
-            labels={"model": "surrogate", "content": "of abradem predict"},
+            labels={"file": "surrogate.json", "content": "of abradem predict"},
         ),
         model_arrays=f"{RESULTS}/models/surrogate.safetensors",
         scores=f"{RESULTS}/learning/surrogate_scores.parquet",
@@ -253,9 +250,7 @@ if SIMULATED:
         input:
             dataset=rules.dataset.output[0],
             # As paths: Snakemake would hash a named list of outputs once for each of its files.
-            maps=batch_paths(
-                f"{RESULTS}/maps/block-{{block}}-batch-{{batch}}.parquet"
-            ),
+            maps=batch_paths(f"{RESULTS}/maps/block-{{block}}-batch-{{batch}}.parquet"),
             runs=RUNS,
         output:
             model=f"{RESULTS}/models/wear_maps.json",
@@ -310,7 +305,7 @@ if SIMULATED:
                 f"{RESULTS}/learning/speed_up.json",
                 caption="../report/speed_up.rst",
                 category="Models",
-                labels={"model": "surrogate", "content": "speed"},
+                labels={"file": "speed_up.json", "content": "speed of the surrogate"},
             ),
         log:
             f"{LOGS}/speed_up.log",

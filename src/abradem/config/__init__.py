@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from abradem.config.declaration import Config
+    from abradem.config.geometry import geometry_ranges
     from abradem.config.keys import COMMAND_LINE
     from abradem.config.reading import (
         ConfigError,
@@ -40,6 +41,7 @@ _LAZY = {
     "Config": "declaration",
     "ConfigError": "reading",
     "documentation": "reference",
+    "geometry_ranges": "geometry",
     "load_config": "reading",
     "origin_in_files": "reading",
     "read_config": "reading",
@@ -59,6 +61,7 @@ __all__ = [
     "Config",
     "ConfigError",
     "documentation",
+    "geometry_ranges",
     "jet_is_known",
     "load_config",
     "origin_in_files",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
 from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
@@ -51,8 +52,14 @@ def coefficients_figure(
             first, last = part["symbol"].iloc[0], part["symbol"].iloc[-1]
             panel.set_title(f"{style.letter(index)} {first} to {last}", loc="left")
             panel.set_ylabel("Standardised coefficient")
-        figure.legend(handles=style.feature_handles(), loc="outside upper center", ncols=2)
-        style.caption(figure, "\n".join(_coefficient_words(coefficients, model, limit, words)))
+        handles: list = [*style.feature_handles()]
+        if _clipped(coefficients, limit):
+            handles.append(
+                Line2D([], [], marker="^", ms=4.0, color=style.BLACK, lw=0.9,
+                       label="interval, clipped at the axis")
+            )  # fmt: skip
+        figure.legend(handles=handles, loc="outside upper center", ncols=3)
+        style.caption(figure, "; ".join(_coefficient_words(coefficients, model, limit, words)))
     return figure
 
 
@@ -154,8 +161,9 @@ def _coefficient_panel(panel, part: pd.DataFrame, limit: float) -> None:
     panel.set_xticks(
         places,
         [
-            f"{symbol}\n${LABELS[name].tex}$"
-            for symbol, name in zip(part["symbol"], part["feature"], strict=True)
+            f"{symbol}\n${LABELS[name].tex}$\n"
+            + (style.minus(f"{value:+.2f}") if np.isfinite(value) else "")
+            for symbol, name, value in zip(part["symbol"], part["feature"], values, strict=True)
         ],
     )
     panel.tick_params(axis="x", length=0)
@@ -172,6 +180,12 @@ def _coefficient_limit(coefficients: pd.DataFrame) -> float:
     return most if most > 0.0 else 1.0
 
 
+def _clipped(coefficients: pd.DataFrame, limit: float) -> bool:
+    """Whether an interval extends beyond the axis."""
+    ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
+    return bool((np.abs(ends[np.isfinite(ends)]) > limit).any())
+
+
 def _coefficient_words(
     coefficients: pd.DataFrame, model: dict, limit: float, target: str
 ) -> list[str]:
@@ -183,9 +197,9 @@ def _coefficient_words(
     if not np.isfinite(ends).any():
         free = int((coefficients["variation"] != HELD_FIXED).sum())
         return [first, f"{rows} cases do not determine {free} coefficients; no intervals"]
-    second = f"lines: {share:g} % intervals (HC3)"
-    if (np.abs(ends[np.isfinite(ends)]) > limit).any():
-        second += "; arrowheads: the interval exceeds the axis"
+    second = f"numbers: coefficients; lines: {share:g} % intervals (HC3)"
+    if _clipped(coefficients, limit):
+        second += "; arrowheads: the interval is clipped at the end of the axis"
     if (coefficients["variation"] == NOT_IDENTIFIED).any():
         second += "; not identified: the cases do not tell these features apart"
     return [first, second]
