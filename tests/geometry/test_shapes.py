@@ -12,8 +12,8 @@ from abradem.geometry.shape import (
     degenerate,
     divided,
     given_twice,
-    normals,
     selected,
+    unit_normals,
     welded,
 )
 from abradem.geometry.shapes import Rectangle, arc_chute, plates
@@ -34,7 +34,7 @@ def test_a_chain_of_one_plate_is_the_plate():
     shape = plates([Rectangle(0.3, 0.2, 35.0)], 0.01)
     assert area_of(shape) == pytest.approx(0.06, rel=1e-12)
     slope = np.radians(35.0)
-    normal = normals(shape.vertices, shape.triangles)
+    normal = unit_normals(shape.vertices, shape.triangles)
     assert np.allclose(normal, [-np.sin(slope), np.cos(slope), 0.0], atol=1e-12)
     half = 0.15 * np.array([np.cos(slope), np.sin(slope)])
     assert np.allclose(shape.vertices.max(axis=0), [*half, 0.1])
@@ -51,7 +51,7 @@ def test_the_next_plate_begins_where_gap_and_drop_say():
     assert np.allclose(lower[:, 1].max(), begin[1])
     assert np.allclose(lower[:, 0].min(), begin[0])
     assert np.allclose(lower[:, 0].max(), begin[0] + 0.2 * np.sqrt(0.5))
-    normal = normals(shape.vertices, shape.triangles)
+    normal = unit_normals(shape.vertices, shape.triangles)
     assert (normal[:, 1] > 0.0).all()
 
 
@@ -67,7 +67,7 @@ def test_an_arc_is_on_its_circle_and_its_area_tends_to_the_cylinder(begin, end):
     slope = np.radians(begin)
     axis = 0.4 * np.array([-np.sin(slope), np.cos(slope)]) * (1.0 if begin > end else -1.0)
     assert np.allclose(np.linalg.norm(shape.vertices[:, :2] - axis, axis=1), 0.4)
-    assert (normals(shape.vertices, shape.triangles)[:, 1] > 0.0).all()
+    assert (unit_normals(shape.vertices, shape.triangles)[:, 1] > 0.0).all()
     assert shape.vertices[:, 1].max() == pytest.approx(0.0, abs=1e-12)
 
 
@@ -105,8 +105,8 @@ def test_division_keeps_the_order_of_the_triangles():
     found = divided(shape, 0.05, 10**6)
     assert (np.diff(found.part) >= 0).all()
     assert np.allclose(
-        normals(found.vertices, found.triangles)[found.part == 1],
-        normals(shape.vertices, shape.triangles)[shape.part == 1][0],
+        unit_normals(found.vertices, found.triangles)[found.part == 1],
+        unit_normals(shape.vertices, shape.triangles)[shape.part == 1][0],
     )
 
 

@@ -73,7 +73,7 @@ def tables():
     maps = []
     for case in cases.to_dict("records"):
         surface = prepared(SETUP, case).surface
-        sums = np.tile([[2.0], [6.0], [60.0], [1.0], [0.5]], len(surface.triangles))
+        sums = np.tile([[2.0], [6.0], [60.0], [1.0], [0.5], [3.0]], len(surface.triangles))
         columns = cell_columns(surface, sums)
         worn = columns["cell_area"] * (1.0 + surface.part)
         maps.append(

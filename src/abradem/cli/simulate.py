@@ -201,7 +201,14 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
 
     progress, clear = None, lambda: None
     if not row["rejected"]:
-        load_kernels(setup["stepping"])
+        if setup.get("geometry"):
+            print(
+                "the engine is compiled at the first use of a geometry: a minute or more",
+                file=sys.stderr,
+                flush=True,
+            )
+        else:
+            load_kernels(setup["stepping"])
         progress, clear = progress_line(setup)
     try:
         tables = run_case(row, setup, progress)

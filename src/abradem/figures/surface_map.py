@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 
 import matplotlib
@@ -31,6 +32,9 @@ BARE_FLAT = (0.92, 0.925, 0.93, 1.0)
 
 MOST_FLAT = 4
 """Largest number of parts that are laid out; the most worn are."""
+
+LETTERS_PER_INCH = 22
+"""Length of a line of the caption."""
 
 TOP = 0.995
 """Share of the worn area up to whose depth rate the colours go, so that one cell does not hide the
@@ -86,29 +90,27 @@ def surface_map_figure(surface: Surface, cells: pd.DataFrame, measure: str) -> F
     bare = (rate <= 0.0)[:, None]
     flat = _flat_parts(surface, rate * area)
     with style.style():
-        width = style.PAGE if flat else style.COLUMN
+        width = style.PAGE if flat else 0.7 * style.PAGE
         figure = style.new_figure(width, 3.4)
         figure.set_layout_engine("none")
-        share = 0.5 if flat else 0.86
+        share = 0.5 if flat else 0.8
         space = figure.add_axes((0.0, 0.07, share, 0.92), projection="3d")
         _space(space, surface, np.where(bare, BARE, faces))
         if flat:
             _flat(figure, surface, np.where(bare, BARE_FLAT, faces), flat)
-        bar_place = (0.92, 0.2, 0.015, 0.62) if flat else (0.86, 0.25, 0.025, 0.5)
+        bar_place = (0.92, 0.2, 0.015, 0.62) if flat else (0.84, 0.22, 0.02, 0.6)
         bar = figure.colorbar(
             colours, cax=figure.add_axes(bar_place), extend="max" if top < rate.max() else "neither"
         )
         bar.outline.set_linewidth(0.6)
         bar.set_label(f"Depth rate ({style.scaled_unit(power, 'mm/s')})", fontsize=7.0)
-        figure.text(
-            0.01,
-            0.015,
+        words = (
             f"wear measure: {measure}; grey: cells without wear; largest depth rate "
             f"{style.number(float(rate.max()))} mm/s"
-            + ("; right: parts laid out, s from the higher end" if flat else ""),
-            fontsize=6.0,
-            color=style.GREY,
         )
+        words += "; right: parts laid out, s from the higher end" if flat else ""
+        lines = "\n".join(textwrap.wrap(words, int(LETTERS_PER_INCH * width)))
+        figure.text(0.01, 0.015, lines, fontsize=6.0, color=style.GREY)
     return figure
 
 

@@ -146,7 +146,7 @@ def write_stl(shape: Shape, path: str | Path, unit: str = "mm", up: str = "z") -
     vertices = shape.vertices @ UPS[up] / UNITS[unit]
     corners = vertices[shape.triangles]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    unit_normals = across / np.linalg.norm(across, axis=1, keepdims=True)
+    facing = across / np.linalg.norm(across, axis=1, keepdims=True)
 
     def row(values) -> str:
         # The sum with 0 turns -0 into 0.
@@ -156,7 +156,7 @@ def write_stl(shape: Shape, path: str | Path, unit: str = "mm", up: str = "z") -
     for number, name in enumerate(shape.names):
         text.write(f"solid {name}\n")
         for triangle in np.flatnonzero(shape.part == number):
-            text.write(f"facet normal {row(unit_normals[triangle])}\n outer loop\n")
+            text.write(f"facet normal {row(facing[triangle])}\n outer loop\n")
             for corner in corners[triangle]:
                 text.write(f"  vertex {row(corner)}\n")
             text.write(" endloop\nendfacet\n")

@@ -43,7 +43,7 @@ def areas(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return 0.5 * np.linalg.norm(cross_products(vertices, triangles), axis=1)
 
 
-def normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+def unit_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Return the unit normal of each triangle, shape (t, 3)."""
     across = cross_products(vertices, triangles)
     return across / np.linalg.norm(across, axis=1, keepdims=True)

@@ -179,7 +179,7 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     from abradem.store.files import write_json
     from abradem.store.tables import write_table
 
-    if not row["rejected"]:
+    if not row["rejected"] and not setup.get("geometry"):
         # Otherwise the time of the first case of a job would include half a second of loading.
         warm.load(setup.get("stepping", Setup.stepping))
     start = time.process_time()

@@ -16,6 +16,7 @@ CELL_TYPES = {
     "impact_angle": "float64",
     "normal_work": "float64",
     "tangential_work": "float64",
+    "normal_impulse": "float64",
 }
 """Columns of the cells of a surface, and their types."""
 
@@ -26,7 +27,7 @@ def cell_columns(surface: Surface, sums: np.ndarray) -> dict[str, Any]:
     Parameters
     ----------
     surface : Surface
-    sums : ndarray, shape (5, t)
+    sums : ndarray, shape (6, t)
         In the order of `abradem.dem.surface.CELL_SUMS`.
 
     Returns

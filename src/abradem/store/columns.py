@@ -84,8 +84,9 @@ CELLS = {
     "impact_angle": Column("deg", "mean angle of the impacts from the normal"),
     "normal_work": Column("J", "work of the normal force in the window, absolute in each step"),
     "tangential_work": Column(
-        "J", "work of the tangential force in the window, each step absolute"
+        "J", "work of the tangential force in the window, absolute in each step"
     ),
+    "normal_impulse": Column("N s", "impulse of the normal force in the window"),
 }
 """Columns of the maps of a surface, whose cells are counted by facet_x."""
 

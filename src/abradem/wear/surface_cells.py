@@ -10,12 +10,14 @@ import pandas as pd
 from abradem.dem.model import Setup
 from abradem.dem.surface import Surface
 from abradem.geometry.build import case_surface, shape_of
-from abradem.geometry.shape import centres, normals
+from abradem.geometry.shape import centres, unit_normals
 from abradem.quantities import STATISTICS, WEAR_MEASURES, wear_column
 from abradem.units import MM_PER_M
 from abradem.wear.rates import element_rates
 
-SUMS = ("impacts", "impact_speed", "impact_angle", "normal_work", "tangential_work")
+SUMS = (
+    "impacts", "impact_speed", "impact_angle", "normal_work", "tangential_work", "normal_impulse",
+)  # fmt: skip
 
 
 def cell_table(
@@ -37,7 +39,8 @@ def cell_table(
     pandas.DataFrame
         case_id, cell, part_name; x, y, z of the centre, m, and unit normal; cell_area, m2;
         ``depth_rate_<measure>``, mm/s; impacts, their mean speed, m/s, and angle, deg; work of
-        the normal and of the tangential force, J, in the window.
+        the normal and of the tangential force, J, and impulse of the normal force, N s, in the
+        window.
     """
     known = cases.set_index("case_id")
     frames = []
@@ -54,7 +57,7 @@ def cell_table(
 def _cells_of(rows: pd.DataFrame, values: Mapping, window: float, surface: Surface) -> pd.DataFrame:
     shape = shape_of(surface)
     centre = centres(shape.vertices, shape.triangles)
-    normal = normals(shape.vertices, shape.triangles)
+    normal = unit_normals(shape.vertices, shape.triangles)
     area = rows["cell_area"].to_numpy()
     per_joule = MM_PER_M * values["archard_constant"] / (area * window)
     return pd.DataFrame(
