@@ -157,7 +157,7 @@ def _curve(panel: Axes, curve: pd.DataFrame, noise: Mapping | None) -> None:
     if noise is not None and np.isfinite(noise["r2_floor"] or np.nan):
         floor = float(unexplained(noise["r2_floor"], most=1.0))
         panel.axhline(floor, color=style.BLACK, lw=0.8, ls="--")
-        panel.text(curve["trained"].min(), floor, "noise floor", fontsize=6.5, va="bottom")
+        panel.text(curve["trained"].min(), floor, "noise floor", fontsize=6.5, va="top")
         lows.append(floor)
     panel.set_xscale("log")
     panel.set_yscale("log")
