@@ -256,7 +256,9 @@ def result_tables(row: Mapping, result: SimulationResult) -> dict:
     series["particles_present"] = result.present
 
     # The cells of a surface are a column of facets.
-    wear = result.facet_wear.reshape(*result.facet_wear.shape[:2], -1)
+    wear, parts = result.facet_wear, result.facet_wear_parts
+    if result.setup.surface is not None:
+        wear, parts = wear[..., None], parts[..., None]
     facet_x, facet_z = np.indices(wear.shape[1:], dtype=np.int32)
     maps = pd.DataFrame(
         {
@@ -274,12 +276,11 @@ def result_tables(row: Mapping, result: SimulationResult) -> dict:
     numbers["window_start"], numbers["window_end"] = (float(end) for end in result.window)
     counts = {name: int(getattr(result, name)) for name in ("released", "removed")}
     counts["settled"] = bool(result.settled)
-    parts = result.facet_wear_parts
     counts["window_parts"] = len(parts)
     return {
         "series": series,
         "maps": maps,
-        "parts": _parts(case_id, parts.reshape(*parts.shape[:3], -1)),
+        "parts": _parts(case_id, parts),
         "runs": _run_row(row, result.status, numbers, counts),
     }
 
