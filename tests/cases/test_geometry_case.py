@@ -38,14 +38,13 @@ def result():
     return abradem.simulate(CASE, abradem.Setup(geometry=ONE_PLATE, **OPTIONS))
 
 
-def test_a_chain_of_one_plate_wears_as_the_plate(result):
+def test_a_chain_of_one_plate_wears_as_the_plate():
     """The same particles fall on the same rectangle; only the cells differ."""
-    plate = abradem.simulate(CASE, abradem.Setup(**OPTIONS))
-    assert result.released == plate.released
-    assert result.worn[-1] == pytest.approx(plate.worn[-1], rel=0.05)
-    assert result.wear_rate("friction").rate == pytest.approx(
-        plate.wear_rate("friction").rate, rel=0.1
-    )
+    fixed = {**OPTIONS, "duration": 0.8}
+    plate = abradem.simulate(CASE, abradem.Setup(**fixed))
+    chain = abradem.simulate(CASE, abradem.Setup(geometry=ONE_PLATE, **fixed))
+    assert chain.released == plate.released > 20
+    assert chain.worn[-1] == pytest.approx(plate.worn[-1], rel=0.05)
 
 
 def test_cells_add_up_to_the_plate(result):
