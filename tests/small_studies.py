@@ -39,7 +39,7 @@ from abradem.learning.comparison import (
 from abradem.learning.exponents import exponents_beside_published
 from abradem.learning.network import Training
 from abradem.learning.physical import distil
-from abradem.learning.physical.intervals import calibrate
+from abradem.learning.physical.intervals import Conformal, calibrate
 from abradem.learning.physical.models import (
     BOOSTING,
     POWER_LAW,
@@ -56,6 +56,7 @@ from abradem.learning.physical.sensitivity import (
     sobol,
     verdict,
 )
+from abradem.learning.regions import error_by_region
 from abradem.learning.rows import learning_table
 from abradem.report import latex
 from abradem.report.findings import findings, to_html
@@ -116,12 +117,12 @@ def learned(table, folder):
         "summary": summary,
     }  # fmt: skip
     process = models[PROCESS]().fit(given.groups, given.log_number, given.error)
-    calibration, intervals = calibrate(given, 3, 1)
-    found["intervals"] = {"calibration": calibration, "summary": intervals}
+    intervals = calibrate(given, 3, 1)
+    found["intervals"] = intervals._asdict()
     settings = distil.Settings(100, (4,), 1)
     scored = distil.evaluate_surrogate(given, settings, 0.2, 2, 1)
     description, arrays = distil.surrogate_of(
-        given, process, intervals["scores"], settings, scored, seed=1
+        given, process, Conformal.of(intervals.summary, intervals.scores), settings, scored, seed=1
     )
     found["surrogate"] = {
         "scores": scored.scores, "predictions": scored.predictions, "summary": description,
@@ -148,7 +149,7 @@ def learned(table, folder):
     compared = compare(scores, predictions, draws=200)
     found["scores"] = {
         "scores": scores, "predictions": predictions, "comparison": compared,
-        "beside_paper": beside_paper(compared),
+        "beside_paper": beside_paper(compared), "by_region": error_by_region(predictions, table),
     }  # fmt: skip
     for one in found.values():
         one["summary"] = through_json(one.get("summary", {}), folder)
@@ -164,7 +165,7 @@ def texts_of(table, found):
     paragraphs = findings(
         found["physical"].summary, found["intervals"].summary, found["surrogate"].summary,
         sensitivity_found.summary, found["reach"].curve, found["reach"].extrapolation,
-        sensitivity_found.indices, sensitivity_found.falls, scored.comparison,
+        sensitivity_found.indices, sensitivity_found.falls, scored.comparison, scored.by_region,
         exponents=exponents,
     )  # fmt: skip
     summary = study_summary(
@@ -190,14 +191,16 @@ def texts_of(table, found):
         "scores": scored.scores,
         "comparison": scored.comparison,
         "beside_paper": scored.beside_paper,
+        "error_by_region": scored.by_region,
         "power_law": found["physical"].exponents,
         "exponents": exponents,
         "targets": found["reach"].targets,
         "extrapolation": found["reach"].extrapolation,
         "sobol": sensitivity_found.indices,
         "calibration": found["intervals"].calibration,
+        "coverage": found["intervals"].regions,
     }
-    assert set(shown) == set(TABLES) - {"failures"}
+    assert set(shown) == set(TABLES) - {"failures", "fresh_coverage"}
     return {
         "findings": to_html("Models", paragraphs),
         "numbers": latex.numbers_tex(latex.study_numbers(cited), NAME),

@@ -123,6 +123,40 @@ def test_exponents_of_quantities_are_what_a_step_of_the_quantity_does():
     assert set(SHARES) <= set(found.index)
 
 
+@pytest.mark.parametrize("by_number", [False, True])
+@pytest.mark.parametrize("planted", [(0.0, 0.0), (2.0, 0.5), (3.0, 1.0)])
+def test_planted_exponents_of_radius_and_density_come_back_under_both_feeds(by_number, planted):
+    feed = {"mass_rate": None, "number_rate": 40.0} if by_number else {}
+    jet = JET._replace(**feed)
+    values = columns(200)
+    radius, density = planted
+    law = (
+        np.log(values["archard_constant"] * squared_impact_speed(values, jet))
+        + radius * np.log(values["particle_radius"])
+        + density * np.log(values["particle_density"])
+    )
+    noise = 0.05 * np.random.default_rng(1).standard_normal(200)
+    number = law + noise - np.log(wear_scale(values, jet))
+    fit = PowerLaw().fit(group_matrix(values, jet), number, np.full(200, 0.05))
+    found = fit.exponents((), by_number).set_index("term")
+    expected = {
+        "particle_radius": radius, "particle_density": density, "archard_constant": 1.0,
+        "impact_speed": 2.0, "effective_youngs_modulus": 0.0,
+    }  # fmt: skip
+    for name, exponent in expected.items():
+        row = found.loc[name]
+        assert abs(row["exponent"] - exponent) <= 3.0 * row["standard_error"] + 1e-9, name
+        assert row["variation"] == "varied" and row["standard_error"] < 0.15
+    # The law predicts what a change of a quantity does under the feed of the cases.
+    larger = {**values, "particle_radius": 1.1 * values["particle_radius"]}
+    wear = [
+        np.log(wear_scale(one, jet)) + fit.predict(group_matrix(one, jet))
+        for one in (values, larger)
+    ]
+    slope = (wear[1] - wear[0]) / np.log(1.1)
+    np.testing.assert_allclose(slope, found.loc["particle_radius", "exponent"], atol=1e-9)
+
+
 def test_standard_errors_cover_the_truth_as_often_as_they_say():
     inside = []
     for seed in range(60):
@@ -173,16 +207,15 @@ def test_the_fall_height_of_a_factory_on_an_arc_is_that_of_the_case():
         squared_impact_speed(values, arc),
         values["particle_velocity_y"] ** 2 + 2.0 * 9.81 * heights,
     )
-    found = dict(zip(GROUP_NAMES, group_columns(values, arc), strict=True))
-    np.testing.assert_allclose(found["log_size"], np.log(values["particle_radius"] / heights))
-    np.testing.assert_array_equal(found["jet_width"], np.ones(4))
-    # Each case has the groups of a study whose only fall height is that of the case.
-    for place, height in enumerate(heights):
-        one = {name: column[place : place + 1] for name, column in values.items()}
-        level = JET._replace(fall_height=height, angle_acts="level")
-        for mine, other in zip(group_columns(one, arc), group_columns(one, level), strict=True):
-            np.testing.assert_allclose(mine, other, rtol=1e-14)
-        np.testing.assert_allclose(wear_scale(one, arc), wear_scale(one, level), rtol=1e-14)
+    np.testing.assert_array_equal(
+        dict(zip(GROUP_NAMES, group_columns(values, arc), strict=True))["jet_width"], np.ones(4)
+    )
+    # Released faster from lower, the particles hit as fast, and the jet is the same.
+    release = np.sqrt(values["particle_velocity_y"] ** 2 + 2.0 * 9.81 * (heights - 0.15))
+    lower = {**values, "factory_angle": np.full(4, -90.0), "particle_velocity_y": -release}
+    for mine, other in zip(group_columns(values, arc), group_columns(lower, arc), strict=True):
+        np.testing.assert_allclose(mine, other, rtol=1e-13)
+    np.testing.assert_allclose(wear_scale(values, arc), wear_scale(lower, arc), rtol=1e-13)
 
 
 @pytest.mark.parametrize("acts", ["tilt", "level", "arc"])

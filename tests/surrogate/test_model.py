@@ -20,6 +20,8 @@ from abradem.cli.main import main
 from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, preset
 from abradem.learning.model_files import write_model
 from abradem.learning.physical.distil import Settings, distil, evaluate_surrogate, surrogate_of
+from abradem.learning.physical.error_scale import fit_scale
+from abradem.learning.physical.intervals import Conformal, conformal_of, held_out
 from abradem.learning.physical.models import PROCESS, makers
 from abradem.learning.physical.problem import problem
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, check_value
@@ -50,7 +52,8 @@ def process(given):
 @pytest.fixture(scope="module")
 def stem(given, process, tmp_path_factory):
     """Path of the files of a surrogate, without suffix."""
-    scores = np.abs(process.residuals) / process.deviations
+    rows = np.arange(len(given.log_number))
+    scores = conformal_of(given, rows, held_out(given, rows))
     results = evaluate_surrogate(given, SETTINGS._replace(epochs=3), repeats=1, seed=1)
     model = surrogate_of(given, process, scores, SETTINGS, results, seed=1)
     path = tmp_path_factory.mktemp("models") / "surrogate"
@@ -657,7 +660,8 @@ def test_a_surrogate_says_the_size_of_the_elements_of_its_target(
 ):
     renamed = given._replace(table=given.table._replace(target_name=target))
     settings = SETTINGS._replace(points=200, hidden=(4,), epochs=1)
-    model = surrogate_of(renamed, process, np.ones(99), settings, None, element_size=0.03)
+    intervals = Conformal(np.ones(99), fit_scale(np.ones(150), given.groups))
+    model = surrogate_of(renamed, process, intervals, settings, None, element_size=0.03)
     write_model(*model, tmp_path / "s.json")
     code, out, _ = run(capsys, "--model", tmp_path / "s", *WORDS, "--depth", "5")
     assert code == 0

@@ -13,6 +13,7 @@ LEARNERS = {
     "surrogate",
     "sensitivity",
     "reach",
+    "wear_maps",
 }
 
 
@@ -42,6 +43,7 @@ rule scores:
         predictions=f"{RESULTS}/learning/predictions.parquet",
         comparison=f"{RESULTS}/learning/comparison.parquet",
         beside_paper=f"{RESULTS}/learning/beside_paper.parquet",
+        by_region=f"{RESULTS}/learning/error_by_region.parquet",
     log:
         f"{LOGS}/scores.log",
     conda:

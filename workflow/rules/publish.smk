@@ -33,8 +33,10 @@ rule published_folder:
         rules.surrogate.output,
         rules.sensitivity.output,
         rules.reach.output,
+        rules.wear_maps.output,
         rules.noise_floor.output,
         rules.findings.output,
+        rules.model_card.output,
         (
             [
                 *batch_paths(rules.simulate.output.series),

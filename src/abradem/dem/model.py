@@ -242,6 +242,10 @@ class Setup:
         Time between samples of the worn volume, s.
     duration : float or None
         If given, the simulated time (to the nearest sample), s, whatever the standard error.
+    geometry : object or None
+        Description of a geometry in place of the plate, of `abradem.geometry.kinds` or as plain
+        values. `abradem.geometry.build.prepared` makes ``surface`` and ``feed`` from it, which
+        the engine needs; `abradem.simulate` does so.
     surface : Surface or None
         Triangulated surface in place of the plate, in the coordinates of the simulation. The
         material of the plate is that of the surface; the angle of the plate has no effect.
@@ -274,6 +278,7 @@ class Setup:
     target_stderr: float = 0.02
     sample_interval: float = 0.02
     duration: float | None = None
+    geometry: object | None = None
     surface: Surface | None = None
     feed: Feed | None = None
     removal_box: tuple | None = None

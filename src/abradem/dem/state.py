@@ -199,6 +199,10 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
     ValueError
         If the releases have other shapes, are not finite or do not ascend in time from 0 on.
     """
+    if setup.geometry is not None and setup.surface is None:
+        raise ValueError(
+            "the set-up has a geometry but no surface; abradem.geometry.build.prepared makes it"
+        )
     radius = case.particle_radius
     mass = sphere_mass(radius, case.particle_density)
     dt = setup.time_step

@@ -31,7 +31,7 @@ def _finish(figure: Figure, panels, caption: str, legend_of=None) -> Figure:
             list(handles.values()), list(handles), loc="outside upper center",
             ncols=min(len(handles), 4 if figure.get_figwidth() > style.COLUMN + 0.1 else 2),
         )  # fmt: skip
-    style.caption(figure, caption)
+    style.write_below(figure, caption)
     return figure
 
 
@@ -189,7 +189,9 @@ def codes_figure(impacts: pd.DataFrame) -> Figure:
         for index, panel in enumerate(panels):
             panel.set_title(f"{style.letter(index)} {panel.get_title(loc='left')}", loc="left")
         figure.legend(handles, labels, loc="outside upper center", ncols=2)
-        style.caption(figure, "e = 0.5, µ = 0.45, 3.9 m/s; lines: abradem with the same options")
+        style.write_below(
+            figure, "e = 0.5, µ = 0.45, 3.9 m/s; lines: abradem with the same options"
+        )
         return figure
 
 

@@ -41,6 +41,8 @@ def findings(
     indices: pd.DataFrame,
     falls: pd.DataFrame,
     comparison: pd.DataFrame,
+    by_region: pd.DataFrame,
+    fresh: Mapping | None = None,
     noise: Mapping | None = None,
     speed: Mapping | None = None,
     exponents: pd.DataFrame | None = None,
@@ -58,6 +60,10 @@ def findings(
         From `abradem.learning.physical.sensitivity`.
     comparison : pandas.DataFrame
         From `abradem.learning.comparison.compare`.
+    by_region : pandas.DataFrame
+        From `abradem.learning.regions.error_by_region`.
+    fresh : mapping, optional
+        From `abradem.learning.physical.fresh`; None without fresh cases.
     noise : mapping, optional
         From `abradem.learning.physical.noise_floor`; None without simulations.
     speed : mapping, optional
@@ -75,13 +81,14 @@ def findings(
     fixed = sensitivity["held_fixed"]
     found = [
         ("Comparison", _comparison(physical, surrogate, comparison, noise)),
+        ("Error by region", _error_by_region(by_region)),
         ("Power law", _power_law(physical)),
-        ("Intervals", _intervals(intervals)),
+        ("Intervals", _intervals(intervals) + _fresh(fresh)),
         ("Learning curve", _curve(curve)),
         ("Extrapolation", _extrapolation(extrapolation, fixed)),
     ]
     if exponents is not None:
-        found.insert(2, ("Exponents beside the published data", _exponents(exponents)))
+        found.insert(3, ("Exponents beside the published data", _exponents(exponents)))
     if physical["repeated"]["rows"]:
         found.insert(0, ("Repeated rows", _repeated(physical["rows"], physical["repeated"])))
     if fixed:
@@ -128,8 +135,8 @@ def _comparison(
     names = {**NAMES, "surrogate": "surrogate distilled from the Gaussian process"}
     listed = "; ".join(f"{names[name]} {_score(scores[name]['test']['R2'])}" for name in names)
     text = (
-        "R2 on held-out cases, median over the splits, which are the same for all models, and "
-        f"central share of the splits: {listed}."
+        "R2 of the wear on held-out cases, median over the splits, which are the same for all "
+        f"models, and central share of the splits: {listed}."
     )
     if not any(is_number(scores[name]["test"]["R2"]["median"]) for name in names):
         text += " R2 is undefined where the wear of the held-out cases has no spread."
@@ -168,6 +175,20 @@ def _number_scores(comparison: pd.DataFrame, names: Mapping) -> str:
     )
 
 
+def _error_by_region(by_region: pd.DataFrame) -> str:
+    """Where the best model errs, beside the share of the cases."""
+    rows = by_region[by_region["model"] == BEST]
+    if rows.empty or not rows["number_error_share"].notna().all():
+        return "The error of the wear number is not determined."
+    parts = "; ".join(
+        f"{row.words} {percentage(row.number_error_share)} of the error of ln(wear number) and "
+        f"{percentage(row.error_share)} of that of the wear, with {percentage(row.case_share)} of "
+        "the cases"
+        for row in rows.itertuples()
+    )
+    return f"Share of the squared error of the {NAMES[BEST]} on held-out cases: {parts}."
+
+
 def _intervals(intervals: Mapping) -> str:
     parts = ", ".join(
         f"{100.0 * one['level']:g} %: {percentage(one['coverage'], '.1f')} "
@@ -182,16 +203,36 @@ def _intervals(intervals: Mapping) -> str:
     return (
         f"Share of {intervals['rows']} held-out cases inside the {intervals['method']} intervals, "
         f"by nominal level: {parts}. They are {verdicts[0]} the binomial bands, and {verdicts[1]} "
-        f"within {100.0 * intervals['tolerance']:g} points of the nominal level."
+        f"within {100.0 * intervals['tolerance']:g} points of the nominal level. By region (angle, "
+        f"speed and size) {intervals['regions']['in_band']} of {intervals['regions']['shares']} "
+        "shares are in their binomial band; 19 of 20 would be, if the intervals held exactly."
+    )
+
+
+def _fresh(fresh: Mapping | None) -> str:
+    """The test of the intervals on fresh cases."""
+    if fresh is None:
+        return ""
+    scores = fresh["scores"]
+    return (
+        f" On {fresh['cases']} fresh cases, simulated for this test alone, {fresh['in_band']} of "
+        f"{fresh['shares']} shares by region are in their bands; R2 of the wear is there "
+        f"{score_number(scores['R2'])}, of ln(wear number) {score_number(scores['R2_number'])}."
     )
 
 
 def _curve(curve: pd.DataFrame) -> str:
     parts = []
     for name, rows in curve.groupby("model", sort=False):
-        steps = ", ".join(f"{score_number(row.r2)} from {row.trained}" for row in rows.itertuples())
+        steps = ", ".join(
+            f"{score_number(row.r2)} ({score_number(row.r2_number, 2)}) from {row.trained}"
+            for row in rows.itertuples()
+        )
         parts.append(f"{NAMES[name]} {steps}")
-    return f"R2 by number of training cases: {'; '.join(parts)}."
+    return (
+        "R2 of the wear (in brackets: of ln(wear number)) by number of training cases: "
+        f"{'; '.join(parts)}."
+    )
 
 
 def _extrapolation(extrapolation: pd.DataFrame, fixed: Collection[str]) -> str:
@@ -205,16 +246,20 @@ def _extrapolation(extrapolation: pd.DataFrame, fixed: Collection[str]) -> str:
     for words, rows in extrapolation.groupby("words", sort=False):
         best = rows[rows["model"] == BEST].iloc[0]
         others = ", ".join(
-            f"{NAMES[row.model]} {score_number(row.r2, 3)}"
+            f"{NAMES[row.model]} {score_number(row.r2, 3)} ({score_number(row.r2_number, 2)})"
             for row in rows[rows["model"] != BEST].itertuples()
         )
         parts.append(
             f"{words} ({best['tested']} cases): {NAMES[BEST]} {score_number(best['r2'], 3)} "
-            f"(trained on such cases as well: {score_number(best['within_r2'], 3)}; "
+            f"({score_number(best['r2_number'], 2)}; trained on such cases as well: "
+            f"{score_number(best['within_r2'], 3)}; "
             f"{percentage(best['coverage'])} inside its 95 % intervals), {others}"
         )
     if parts:
-        said = f"R2 on cases beyond the training ranges. {'. '.join(parts)}. {said}"
+        said = (
+            "R2 of the wear (in brackets first: of ln(wear number)) on cases beyond the training "
+            f"ranges. {'. '.join(parts)}. {said}"
+        )
     return said.strip()
 
 

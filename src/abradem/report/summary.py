@@ -44,7 +44,8 @@ def study_summary(
     dict
         ``external``, ``cases``, ``target``, ``target_words`` (what the target is; for an external
         table only that it is a wear depth rate), ``wear_range`` (mm/s), ``models`` (leakage-free
-        R2 on held-out rows: model, r2, lower, upper, basis), ``held_fixed`` (quantities that did
+        R2 on held-out rows: model, r2, lower, upper, number, the R2 of the logarithm of the wear
+        number, basis), ``held_fixed`` (quantities that did
         not vary) and ``misprints`` of the printed equation (None unless the data set is the
         paper's).
         For simulations also the entries of `quality_counts`, with ``cases`` the number of sampled
@@ -69,6 +70,7 @@ def study_summary(
                 "r2": row.r2,
                 "lower": row.r2_lower,
                 "upper": row.r2_upper,
+                "number": row.r2_number,
                 "basis": row.basis,
             }
             for row in comparison[comparison["protocol"] == "leakage_free"]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 TABLES: dict[str, str] = {
+    "dataset": "The data set: quantities, features, wear depth rates and their standard errors for "
+    "each case. The unit is in the header of a column, its meaning appears under the pointer.",
     "linear_coefficients": "Coefficients of the linear regression between standardised features "
     "and target, with standard errors and intervals.",
     "linear_published": "The printed coefficients of the linear equation compared with a refit by "
@@ -17,6 +19,9 @@ TABLES: dict[str, str] = {
     "basis of the interval.",
     "beside_paper": "For each model, the printed R², the R² reproduced on this data set as "
     "published, and the leakage-free R².",
+    "error_by_region": "Share of the held-out error of each model by region of the ranges "
+    "(leakage-free, all splits): of the wear and of the logarithm of the wear number, beside the "
+    "share of the cases, and R² of that logarithm within the region.",
     "power_law": "Exponents of the power law with standard errors (HC3): of the quantities, with "
     "all others fixed, and of the dimensionless groups.",
     "exponents": "Exponents of the wear depth rate that the models predict, by least squares of "
@@ -33,6 +38,10 @@ TABLES: dict[str, str] = {
     "of the data set, from the Gaussian process, with bootstrap intervals.",
     "calibration": "Coverage of the prediction intervals on held-out cases by nominal level, with "
     "the binomial band and the median relative width.",
+    "coverage": "Coverage of the prediction intervals on held-out cases by region of the ranges "
+    "and nominal level, with the binomial band.",
+    "fresh_coverage": "Coverage of the intervals of the surrogate on fresh cases, which no "
+    "model has seen, by region of the ranges and nominal level, with the binomial band.",
     "failures": "Cases that are not in the data set, because they were rejected as physically "
     "inconsistent or ended early, with the reasons.",
 }

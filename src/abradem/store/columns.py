@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from abradem.quantities import (
+    GEOMETRY_UNITS,
     QUANTITIES,
     STATISTICS,
     TARGET,
@@ -67,6 +68,27 @@ MAPS = {
         for measure in WEAR_MEASURES
     },
 }
+
+
+GEOMETRY = {
+    name: Column(unit, f"{name.replace('_', ' ')} of the geometry")
+    for name, unit in GEOMETRY_UNITS.items()
+}
+
+
+CELLS = {
+    "part_name": Column("1", "part of the surface", "string"),
+    "cell_area": Column("m2", "area of the cell"),
+    "impacts": Column("1", "impacts in the window"),
+    "impact_speed": Column("m/s", "mean speed of the impacts"),
+    "impact_angle": Column("deg", "mean angle of the impacts from the normal"),
+    "normal_work": Column("J", "work of the normal force in the window, absolute in each step"),
+    "tangential_work": Column(
+        "J", "work of the tangential force in the window, absolute in each step"
+    ),
+    "normal_impulse": Column("N s", "impulse of the normal force in the window"),
+}
+"""Columns of the maps of a surface, whose cells are counted by facet_x."""
 
 
 PARTS = {
@@ -247,6 +269,17 @@ MODELS = {
     "band_upper": Column("1", "upper end of the binomial band of the coverage"),
     "width": Column("1", "median of upper end over prediction, less 1"),
     "tested": Column("1", "rows held out", "int64"),
+    "fold": Column("1", "fold in which the row was held out", "int32"),
+    "log_deviation": Column("1", "standard deviation of ln y that the process predicts"),
+    "error_scale": Column("1", "factor of that deviation, learned from other held-out rows"),
+    "score": Column("1", "held-out error of ln y by deviation and scale"),
+    "region": Column("1", "part of the ranges of the study", "string"),
+    "case_share": Column("1", "share of the test rows that are in the region"),
+    "error_share": Column("1", "share of the sum of squared errors of the wear"),
+    "number_error_share": Column(
+        "1", "share of the sum of squared errors of the logarithm of the wear number"
+    ),
+    "in_band": Column("1", "whether the coverage is in its binomial band", "bool"),
     "trained": Column("1", "rows trained on", "int64"),
     "test": Column("1", "test of extrapolation", "string"),
     "mape": Column("1", "mean absolute relative error"),
@@ -272,9 +305,11 @@ MODELS = {
 COLUMNS: dict[str, Column] = {
     **KEYS,
     **{q.name: Column(q.unit, LABELS[q.name].long_name) for q in QUANTITIES},
+    **GEOMETRY,
     **CASES,
     **SERIES,
     **MAPS,
+    **CELLS,
     **PARTS,
     **RUNS,
     **TIMES,
@@ -306,6 +341,39 @@ SNAPSHOTS = {
 """Tables of `abradem.simulation.snapshots`."""
 
 
+CELL_TABLE = {
+    "cell": Column("1", "number of the cell in the surface", "int64"),
+    **{axis: Column("m", f"centre of the cell along {axis}") for axis in "xyz"},
+    **{f"normal_{axis}": Column("1", f"unit normal of the cell along {axis}") for axis in "xyz"},
+    **{
+        f"depth_rate_{measure}": Column(
+            "mm/s", f"wear depth rate of the cell in the window ({MEASURE_WORDS[measure]})"
+        )
+        for measure in WEAR_MEASURES
+    },
+    "area": Column("m2", "area of the part"),
+}
+"""Tables of `abradem.wear.surface_cells`."""
+
+
+PART_EFFECTS = {
+    "quantity": Column("1", "quantity that varied", "string"),
+    "unit": Column("1", "unit of the quantity", "string"),
+    "cases": Column("1", "cases with a rate", "int64"),
+    "rank_correlation": Column("1", "rank correlation of the quantity and the wear rate"),
+    **{
+        name: Column("1", f"{words}, in the unit of the column unit")
+        for name, words in (
+            ("low_from", "smallest value"), ("low_to", "largest value of the lower third"),
+            ("high_from", "smallest value of the upper third"), ("high_to", "largest value"),
+        )
+    },
+    "low_rate": Column("mm/s", "mean wear depth rate in the lower third of the values"),
+    "high_rate": Column("mm/s", "mean wear depth rate in the upper third of the values"),
+}  # fmt: skip
+"""Table of `abradem.wear.part_effects`."""
+
+
 MAP_RATES = {
     "x": Column("mm", "centre of the facet along the slope, from the centre of the plate"),
     "z": Column("mm", "centre of the facet across the slope, from the centre of the plate"),
@@ -317,6 +385,14 @@ MAP_RATES = {
     },
 }
 """Map of a case of one's own, `abradem.cli.case_files`."""
+
+
+PREDICTED_MAP = {
+    "x": Column("mm", "centre of the element along the slope, from the centre of the plate"),
+    "z": Column("mm", "centre of the element across the slope, from the centre of the plate"),
+    "depth_rate": Column("mm/s", "wear depth rate of the element that the map surrogate predicts"),
+}
+"""Map of `abradem predict --map`, `abradem.cli.predict_map`."""
 
 
 PREDICTED = {

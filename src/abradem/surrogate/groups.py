@@ -13,7 +13,9 @@ simulated wear and need not be learned. The wear number depends on dimensionless
     ln Fr       Fr = v^2 / (g H)                 Froude number: speed against fall height
     ln R/H                                       size of the particles
     ln L        L = m' / (rho_p v B)             loading: volume fraction of particles in the jet
-                                                 of cross-section B; how often particles collide
+                                                 of cross-section B; how often particles collide.
+                L = rho_p / rho_w                with a feed by number: mass against that of as
+                                                 many drops of water
     ln Ca       Ca = rho_p v^2 / E*              Cauchy number: depth of the indentation
     ln G*/E*                                     tangential against normal stiffness
     ln mu_s, ln mu_r, ln (1 + e)                 friction, rolling friction, restitution
@@ -21,7 +23,14 @@ simulated wear and need not be learned. The wear number depends on dimensionless
     cos theta                                    width of the jet of a tilted factory patch; 1 if
                                                  the patch stays level
 
-H is the fall height of the case: where the factory moves on an arc, it depends on theta.
+H is the fall height at a factory angle of 0, the same length for all cases. Where the factory moves
+on an arc, the fall height of a case depends on theta and enters by the speed of impact alone:
+vertical falls from two heights that end with one speed are one jet. Measured by the fall height of
+the case, all of Fr, R/H and theta would vary with theta, although it hardly matters.
+
+With a feed by number m' = n' m, with the mass m of a particle, the loading n' m / (rho_p v B) would
+be a function of R/H and Fr, and no fit could tell the three apart. The loading by mass instead of
+volume is independent of them.
 
 The functions use only arithmetic and numpy functions, so that `abradem.surrogate.onnx` can trace
 them and no formula is written twice. The module needs no other package than numpy, so that the
@@ -44,6 +53,9 @@ from abradem.elastic import (
 from abradem.units import MM_PER_M
 
 _DEGREE = np.pi / 180.0
+
+WATER_DENSITY = 1000.0
+"""Density to which that of particles is related, kg/m3."""
 
 LEAST_FRICTION = 1e-3
 """Smallest coefficient of friction; smaller ones are raised to it before the logarithm."""
@@ -172,14 +184,17 @@ def group_columns(values: Mapping, jet: Jet) -> list:
     shear_star = effective_shear_modulus(shear_p, nu_p, shear_e, nu_e)
     squared = squared_impact_speed(values, jet)
     density = values["particle_density"]
-    height = fall_height(values, jet)
+    height = jet.fall_height
     # Without gravity the speed is compared with 1 m/s instead.
     fall = jet.gravity * height if jet.gravity else 1.0
-    in_jet = mass_rate(values, jet) / (jet.patch_area * density * np.sqrt(squared))
+    if jet.mass_rate is not None:
+        loading = jet.mass_rate / (jet.patch_area * density * np.sqrt(squared))
+    else:
+        loading = density / WATER_DENSITY
     return [
         np.log(squared / fall),
         np.log(values["particle_radius"] / height),
-        np.log(in_jet),
+        np.log(loading),
         np.log(density * squared / young_star),
         np.log(shear_star / young_star),
         np.log(np.maximum(values["static_friction"], LEAST_FRICTION)),

@@ -453,6 +453,9 @@ def test_more_searches_take_other_splits_and_the_first_stays():
     assert two.history["repeat"].unique().tolist() == [0, 1]
     assert (one.summary["splits"], len(one.summary["searches"])) == (2, 1)
     assert (two.summary["splits"], len(two.summary["searches"])) == (2, 2)
+    # There is one search for each split at most.
+    more = fit_networks(table, "leakage_free", **quick, searches=5)
+    assert more.history.equals(two.history) and more.summary == two.summary
 
 
 def test_networks_are_scored_on_the_splits_of_all_models_whatever_the_cores():

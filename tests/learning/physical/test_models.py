@@ -32,6 +32,7 @@ from abradem.learning.physical.sensitivity import (
     verdict,
 )
 from abradem.learning.protocols import folds, repeated_splits
+from abradem.learning.regions import error_by_region
 from abradem.learning.scores import r2
 from abradem.quantities import STDERR_COLUMNS, WEAR_COLUMNS
 from abradem.report.findings import findings, to_html
@@ -120,9 +121,9 @@ def test_targets_that_are_not_positive_are_raised_and_counted():
 
 
 def test_intervals_hold_what_they_promise(given):
-    calibration, summary = calibrate(given, 10, 1)
+    calibration, _, scores, summary = calibrate(given, 10, 1)
     assert summary["in_band"]
-    assert len(summary["scores"]) == 150 and (np.diff(summary["scores"]) >= 0.0).all()
+    assert scores["case_id"].tolist() == given.table.keys.tolist() and (scores["score"] > 0).all()
     conformal = calibration[calibration["method"] == "conformal"]
     assert (np.diff(conformal["coverage"]) >= 0.0).all()
     assert (np.diff(conformal["width"]) > 0.0).all()
@@ -332,7 +333,7 @@ def test_the_findings_repeat_the_numbers(given):
     comparison = compare(scores, predictions, draws=100)
     assert description["kind"] == "gaussian_process" and "rows" in arrays
     assert {"quantity", "group"} == set(exponents["kind"])
-    _, intervals = calibrate(given, 3)
+    intervals = calibrate(given, 3).summary
     curve = learning_curve(given, {POWER_LAW: models[POWER_LAW]}, repeats=2)
     floor = {"r2_floor": 0.999, "r2_floor_band": [0.998, 0.9995], "replicates": 8, "cases": 2,
              "r2_floor_of_stated_errors": 0.9985, "ratio": 1.5}  # fmt: skip
@@ -345,7 +346,8 @@ def test_the_findings_repeat_the_numbers(given):
     text = dict(
         findings(
             summary, intervals, {"scores": summary["scores"][PROCESS]}, verdict(indices),
-            curve, extrapolate(given, models), indices, falls, comparison, floor,
+            curve, extrapolate(given, models), indices, falls, comparison,
+            error_by_region(predictions, law()), None, floor,
             speed,
         )
     )  # fmt: skip

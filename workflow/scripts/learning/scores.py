@@ -12,12 +12,14 @@ from abradem.learning.comparison import (
     with_scale,
 )
 from abradem.learning.model_files import write_stage
+from abradem.learning.regions import error_by_region
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
 
+dataset = read_table(snakemake.input.dataset)
 predictions = with_scale(
     join_tables([read_table(path) for path in snakemake.input.predictions]),
-    read_table(snakemake.input.dataset),
+    dataset,
     jet_of(snakemake.params.setup),
 )
 scores = join_tables(
@@ -33,4 +35,5 @@ write_stage(
     predictions=predictions,
     comparison=comparison,
     beside_paper=beside_paper(comparison),
+    by_region=error_by_region(predictions, dataset),
 )

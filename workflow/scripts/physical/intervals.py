@@ -12,5 +12,5 @@ from abradem.surrogate.groups import jet_of
 
 jet = jet_of(snakemake.params.setup)
 given = problem(read_table(snakemake.input[0]), jet, **snakemake.params.table)
-calibration, summary = calibrate(given, **snakemake.params.options)
-write_stage(snakemake.output.items(), calibration=calibration, summary=summary)
+found = calibrate(given, **snakemake.params.options)
+write_stage(snakemake.output.items(), **found._asdict())

@@ -217,8 +217,8 @@ def fit_networks(
     retrainings : int
         Number of final trainings from different initial weights.
     searches : int
-        Number of searches (leakage-free), each inside another of the repeated splits; at most
-        ``repeats``.
+        Number of searches (leakage-free), each inside another of the repeated splits; of more
+        than ``repeats`` so many are made.
     repeats, test_share, confidence, seed
         Of the repeated splits.
     cores : int
@@ -247,6 +247,7 @@ def fit_networks(
                 repeated_splits(table.keys, table.groups, test_share, repeats, seed)
             )
         ]
+        searches = min(searches, len(splits))
     histories, found, counted = [], [], []
     for repeat, split in enumerate(splits[:searches]):
         problem = _problem(table, split)

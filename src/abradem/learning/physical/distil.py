@@ -4,7 +4,7 @@ The Gaussian process needs all its rows for a prediction; a network needs only a
 weights. The network is trained on predictions of the process at many points, drawn evenly within
 the training ranges (knowledge distillation; Hinton, Vinyals and Dean 2015, arXiv:1503.02531).
 These labels are cheap and free of noise. A second network learns the logarithm of the standard
-deviation of the process.
+deviation of the process times the error scale, the unit of the prediction intervals.
 
 The surrogate is scored separately: on each of the study's splits the process is fitted to the
 training rows and distilled, and the *network* is scored on the test rows.
@@ -19,7 +19,9 @@ import numpy as np
 from abradem.dataset.variation import settled
 from abradem.learning.evaluation import Results
 from abradem.learning.network import Network, Training, start, train
+from abradem.learning.physical.error_scale import ErrorScale
 from abradem.learning.physical.gaussian_process import GaussianProcess
+from abradem.learning.physical.intervals import Conformal
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import GROUP_SCALE, WearProblem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
@@ -31,7 +33,7 @@ from abradem.surrogate.model import Surrogate
 
 MODEL = "surrogate"
 
-SPREAD_HIDDEN = (32,)
+SPREAD_HIDDEN = (32, 32)
 """Hidden layers for the standard deviation, which is smooth and need not be precise."""
 
 SCHEDULE = ((0.45, 64, 3e-3), (0.3, 128, 1e-3), (0.25, 256, 3e-4))
@@ -50,7 +52,11 @@ class Settings(NamedTuple):
 
 
 def distil(
-    process: GaussianProcess, given: WearProblem, settings: Settings, seed: int = 0
+    process: GaussianProcess,
+    given: WearProblem,
+    settings: Settings,
+    seed: int = 0,
+    scale: ErrorScale | None = None,
 ) -> tuple[dict[str, np.ndarray], dict]:
     """Train networks that reproduce the mean and the standard deviation of a process.
 
@@ -61,17 +67,20 @@ def distil(
         Its inputs give the ranges from which the points are drawn.
     settings : Settings
     seed : int
+    scale : ErrorScale, optional
+        Multiplies the deviation of the process; 1 by default.
 
     Returns
     -------
     arrays : dict of str to ndarray
         The arrays that `abradem.surrogate.model.Surrogate` reads, except the conformal scores.
     error : dict
-        ``rms`` and ``largest`` relative difference from the process at new points.
+        ``rms`` and ``largest`` relative difference of the prediction from that of the process at
+        new points, and ``deviation_rms``, that of the standard deviation.
     """
     low, high = given.inputs.min(axis=0), given.inputs.max(axis=0)
     groups = _points(low, high, settings.points, seed, given)
-    mean, deviation = process.predict_with_deviation(groups)
+    mean, deviation = _labels(process, groups, scale)
     scaler = standard_scaler(groups)
     z = scaler.forward(groups)
     networks = {
@@ -79,17 +88,30 @@ def distil(
         "spread": _trained(z, np.log(deviation), SPREAD_HIDDEN, settings.epochs // 2 + 1, seed),
     }
     fresh = _points(low, high, CHECKED, seed + 1, given)
-    away = np.abs(networks["mean"].predict(scaler.forward(fresh)) - process.predict(fresh))
+    expected = _labels(process, fresh, scale)
+    z = scaler.forward(fresh)
+    away = np.abs(networks["mean"].predict(z) - expected[0])
+    spread = networks["spread"].predict(z) - np.log(expected[1])
     arrays = {"group_mean": np.asarray(scaler.mean), "group_scale": np.asarray(scaler.scale)}
     for name, network in networks.items():
         arrays.update({f"{name}_{key}": array for key, array in network.arrays().items()})
-    return arrays, {"rms": float(np.sqrt(np.mean(away**2))), "largest": float(away.max())}
+    return arrays, {
+        "rms": float(np.sqrt(np.mean(away**2))),
+        "largest": float(away.max()),
+        "deviation_rms": float(np.sqrt(np.mean(spread**2))),
+    }
+
+
+def _labels(process: GaussianProcess, groups: np.ndarray, scale: ErrorScale | None):
+    """Mean and deviation that the networks learn, each (n,), at groups (n, 10)."""
+    mean, deviation = process.predict_with_deviation(groups)
+    return mean, deviation if scale is None else deviation * scale.at(groups)
 
 
 def surrogate_of(
     given: WearProblem,
     process: GaussianProcess,
-    conformal: np.ndarray,
+    conformal: Conformal,
     settings: Settings,
     results: Results,
     confidence: float = 0.95,
@@ -103,8 +125,8 @@ def surrogate_of(
     given : WearProblem
     process : GaussianProcess
         Fitted to all rows.
-    conformal : ndarray
-        Held-out scores from `abradem.learning.physical.intervals.calibrate`.
+    conformal : Conformal
+        Held-out scores and error scale, see `abradem.learning.physical.intervals.calibrate`.
     settings : Settings
     results : Results
         From `evaluate_surrogate`.
@@ -114,9 +136,10 @@ def surrogate_of(
     element_size : float, optional
         Edge of the elements of the target, m; not noted for the mean over the plate.
     """
-    arrays, error = distil(process, given, settings, seed)
-    arrays["conformal"] = np.sort(conformal)
+    arrays, error = distil(process, given, settings, seed, conformal.scale)
+    arrays["conformal"] = conformal.scores
     description = _describe(given, error, settings, results, confidence)
+    description["error_scale"] = conformal.scale.describe()
     of_elements = wear_parts(given.table.target_name)[1] != "mean"
     if of_elements and element_size is not None:
         description["target"]["element_size"] = element_size

@@ -2,13 +2,19 @@
 
 The target t (logarithm of the wear number) is modelled as a function of standardised features z
 
-    t(z) = linear trend + smooth function + noise
-    k(z, z') = c^2 + b^2 z.z' + a^2 (1 + r + r^2/3) exp(-r),  r^2 = 5 sum_j (z_j - z'_j)^2 / l_j^2
+    t(z) = trend of second order + smooth function + noise
+    k(z, z') = c^2 + b^2 z.z' + d^2 (z.z')^2 / 2 + a^2 (1 + r + r^2/3) exp(-r),
+    r^2 = 5 sum_j (z_j - z'_j)^2 / l_j^2
 
 with the Matern 5/2 covariance and a length l_j for each feature (automatic relevance
 determination; Rasmussen and Williams 2006, Gaussian Processes for Machine Learning, 4.2 and 5.1).
-The noise variance of row i is n^2 / w_i + e_i^2, where e_i is the relative standard error of the
-simulation, n the remaining noise, and w_i <= 1 the weight of the row.
+The noise variance of row i is n_i^2 / w_i + e_i^2, where e_i is the relative standard error of the
+simulation, n_i the remaining noise, and w_i <= 1 the weight of the row.
+
+*Local noise.* Wear is less regular in some regions than in others. So ln n_i is linear in the
+standardised terms that the process is given (regression of the noise: Goldberg, Williams and
+Bishop 1998, NeurIPS 10:493; here with a parametric noise, most probable as all other parameters).
+Without terms n is one number. A regular row then counts more than an irregular one.
 
 *Robustness.* For noise with a Student t-distribution of nu degrees of freedom the weights are
 w_i = (nu + 1) / (nu + u_i^2), at most 1, where u_i is the leave-one-out residual divided by its
@@ -22,6 +28,8 @@ the remaining noise is a few percent.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -49,6 +57,11 @@ _LENGTH = (1.4, 0.7)  # a length of 4 standard deviations of the feature, within
 _SMOOTH = (-1.0, 1.0)
 _NOISE = (-3.0, 1.0)
 _TREND = (-2.0, 2.0)
+_CURVATURE = (-2.0, 0.5)
+_NOISE_SLOPE = (0.0, 0.5)  # a factor of 1.6 in the noise by a standard deviation of a term
+
+
+_SCALARS = ("_mean", "smooth", "noise", "trend", "curvature", "typical_error")
 
 
 class GaussianProcess:
@@ -58,13 +71,17 @@ class GaussianProcess:
     ----------
     seed : int
         Seed of the choice of rows, see `PARAMETER_ROWS` and `MOST_ROWS`.
+    noise_terms : callable, optional
+        Gives the terms (n, k) of ln n_i for features (n, p); without it the noise is one number.
 
     Attributes
     ----------
     lengths : ndarray, shape (p,)
         l_j, in standard deviations of the feature; a long length means a weak influence.
-    smooth, noise, trend : float
-        a, n and b.
+    smooth, noise, trend, curvature : float
+        a, n where all noise terms have their mean, b and d.
+    noise_slopes : ndarray, shape (k,)
+        Of ln n_i in the standardised noise terms.
     weights : ndarray, shape (n,)
         w_i, small for outliers.
     residuals, deviations : ndarray, shape (n,)
@@ -74,8 +91,8 @@ class GaussianProcess:
         Median of e_i, taken as the error of new rows.
     """
 
-    def __init__(self, seed: int = 0):
-        self.seed = seed
+    def __init__(self, seed: int = 0, noise_terms: Callable | None = None):
+        self.seed, self._noise_terms = seed, noise_terms or _no_terms
 
     def fit(self, x: np.ndarray, target: np.ndarray, error: np.ndarray) -> GaussianProcess:
         """Fit to features (n, p), target (n,) and its standard errors (n,)."""
@@ -85,16 +102,19 @@ class GaussianProcess:
             x, target, error = x[kept], target[kept], error[kept]
         self._scaler = standard_scaler(x)
         self._rows = self._scaler.forward(x)
+        found = self._noise_terms(x)
+        self._of_noise = standard_scaler(found)
+        terms = self._of_noise.forward(found)
         self._mean = float(target.mean())
         t, variance = target - self._mean, error**2
         self.typical_error = float(np.median(error))
         self.weights = np.ones(len(t))
         few = np.sort(rng.permutation(len(t))[:PARAMETER_ROWS])
-        p = x.shape[1]
-        theta = np.array([*[_LENGTH[0]] * p, _SMOOTH[0], _NOISE[0], _TREND[0]])
+        theta = _priors(x.shape[1], terms.shape[1])[:, 0]
         for round_ in range(ROUNDS):
-            theta = self._most_probable(theta, few, t, variance, 100 if round_ == 0 else 20)
-            self._set(theta)
+            iterations = 100 if round_ == 0 else 20
+            theta = self._most_probable(theta, few, t, variance, terms, iterations)
+            self._set(theta, terms)
             self._solve(t, variance)
             u = self.residuals / self.deviations
             self.weights = np.minimum((STUDENT_FREEDOM + 1.0) / (STUDENT_FREEDOM + u**2), 1.0)
@@ -111,14 +131,15 @@ class GaussianProcess:
         The standard deviation includes the uncertainty of the function, the noise n and the
         typical error of a simulation.
         """
-        noise = self.noise**2 + self.typical_error**2
-        means, deviations = [], []
+        slopes = self._of_noise.forward(self._noise_terms(x)) @ self.noise_slopes
+        noise = (self.noise * np.exp(slopes)) ** 2 + self.typical_error**2
+        means, variances = [], []
         for k, z in self._blocks(x):
             means.append(self._mean + k @ self._alpha)
-            prior = self.smooth**2 + CONSTANT + self.trend**2 * np.sum(z**2, axis=1)
+            prior = self.smooth**2 + CONSTANT + self._trends(np.sum(z**2, axis=1))
             explained = np.sum((k @ self._inverse) * k, axis=1)
-            deviations.append(np.sqrt(np.maximum(prior - explained, 0.0) + noise))
-        return np.concatenate(means), np.concatenate(deviations)
+            variances.append(np.maximum(prior - explained, 0.0))
+        return np.concatenate(means), np.sqrt(np.concatenate(variances) + noise)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All arrays needed for predictions, as stored in a file."""
@@ -132,32 +153,43 @@ class GaussianProcess:
             "weights": self.weights,
             "residuals": self.residuals,
             "deviations": self.deviations,
-            "scalars": np.array(
-                [self._mean, self.smooth, self.noise, self.trend, self.typical_error]
-            ),
+            "noise_mean": self._of_noise.mean,
+            "noise_scale": self._of_noise.scale,
+            "noise_slopes": self.noise_slopes,
+            "scalars": np.array([getattr(self, name) for name in _SCALARS]),
         }
 
     @classmethod
-    def of(cls, arrays: dict[str, np.ndarray]) -> GaussianProcess:
-        """Restore a process from the arrays of `arrays`."""
+    def of(
+        cls, arrays: dict[str, np.ndarray], noise_terms: Callable | None = None
+    ) -> GaussianProcess:
+        """Restore a process from the arrays of `arrays`, with the terms that it was given."""
         from abradem.learning.rows import Scaler
 
-        self = cls()
+        self = cls(noise_terms=noise_terms)
         self._scaler = Scaler(arrays["feature_mean"], arrays["feature_scale"])
+        self._of_noise = Scaler(arrays["noise_mean"], arrays["noise_scale"])
+        self.noise_slopes = arrays["noise_slopes"]
         self._rows, self._alpha, self._inverse = (
             arrays[name] for name in ("rows", "alpha", "inverse")
         )
         self.lengths, self.weights, self.residuals, self.deviations = (
             arrays[name] for name in ("lengths", "weights", "residuals", "deviations")
         )
-        self._mean, self.smooth, self.noise, self.trend, self.typical_error = map(
-            float, arrays["scalars"]
-        )
+        for name, value in zip(_SCALARS, arrays["scalars"], strict=True):
+            setattr(self, name, float(value))
         return self
 
-    def _set(self, theta: np.ndarray) -> None:
-        self.lengths = np.exp(theta[:-3])
-        self.smooth, self.noise, self.trend = map(float, np.exp(theta[-3:]))
+    def _set(self, theta: np.ndarray, terms: np.ndarray) -> None:
+        p = self._rows.shape[1]
+        self.lengths = np.exp(theta[:p])
+        self.smooth, self.noise, self.trend, self.curvature = map(float, np.exp(theta[p : p + 4]))
+        self.noise_slopes = theta[p + 4 :]
+        self._row_noise = self.noise * np.exp(terms @ self.noise_slopes)
+
+    def _trends(self, product: np.ndarray) -> np.ndarray:
+        """Covariance of the trend for the scalar products z.z' of rows."""
+        return self.trend**2 * product + 0.5 * self.curvature**2 * product**2
 
     def _blocks(self, x: np.ndarray, size: int = 2048):
         """Yield blocks of ``x``: their covariances with the rows, and the standardised block."""
@@ -165,15 +197,15 @@ class GaussianProcess:
         for first in range(0, max(len(z), 1), size):
             block = z[first : first + size]
             matern, _ = _matern(block / self.lengths, self._rows / self.lengths)
-            linear = self.trend**2 * (block @ self._rows.T)
-            yield self.smooth**2 * matern + linear + CONSTANT, block
+            trends = self._trends(block @ self._rows.T)
+            yield self.smooth**2 * matern + trends + CONSTANT, block
 
     def _solve(self, t: np.ndarray, variance: np.ndarray) -> None:
         """Compute the coefficients alpha = K^-1 t and the leave-one-out residuals."""
         z = self._rows
         matern, _ = _matern(z / self.lengths, z / self.lengths)
-        covariance = self.smooth**2 * matern + self.trend**2 * (z @ z.T) + CONSTANT
-        noise = self.noise**2 / self.weights + variance
+        covariance = self.smooth**2 * matern + self._trends(z @ z.T) + CONSTANT
+        noise = self._row_noise**2 / self.weights + variance
         covariance[np.diag_indices(len(t))] += noise
         self._inverse, _ = _inverse(covariance)
         self._alpha = self._inverse @ t
@@ -181,19 +213,30 @@ class GaussianProcess:
         self.residuals = self._alpha / precision
         # As for a new row: with the typical noise instead of that of a downweighted row.
         function = np.maximum(1.0 / precision - noise, 0.0)
-        self.deviations = np.sqrt(function + self.noise**2 + self.typical_error**2)
+        self.deviations = np.sqrt(function + self._row_noise**2 + self.typical_error**2)
 
-    def _most_probable(self, theta, few, t, variance, iterations):
+    def _most_probable(self, theta, few, t, variance, terms, iterations):
         """Maximum a posteriori parameters on the rows ``few``."""
         from scipy.optimize import minimize
 
         z, p = self._rows[few], self._rows.shape[1]
+        ends = [(-2.0, 7.0)] * p + [(-4.0, 3.0), (-6.0, 0.0), (-6.0, 2.0), (-6.0, 1.0)]
         found = minimize(
-            _loss, theta, (z, t[few], 1.0 / self.weights[few], variance[few]), jac=True,
-            method="L-BFGS-B", options={"maxiter": iterations},
-            bounds=[(-2.0, 7.0)] * p + [(-4.0, 3.0), (-6.0, 0.0), (-6.0, 2.0)],
+            _loss, theta, (z, t[few], 1.0 / self.weights[few], variance[few], terms[few]),
+            jac=True, method="L-BFGS-B", options={"maxiter": iterations},
+            bounds=ends + [(-3.0, 3.0)] * terms.shape[1],
         )  # fmt: skip
         return found.x
+
+
+def _no_terms(x: np.ndarray) -> np.ndarray:
+    return np.empty((len(x), 0))
+
+
+def _priors(features: int, terms: int) -> np.ndarray:
+    """Mean and standard deviation of each parameter, shape (features + 4 + terms, 2)."""
+    others = _SMOOTH, _NOISE, _TREND, _CURVATURE
+    return np.array([*[_LENGTH] * features, *others, *[_NOISE_SLOPE] * terms])
 
 
 def _matern(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -215,18 +258,19 @@ def _inverse(covariance: np.ndarray) -> tuple[np.ndarray, float]:
     return lower + np.tril(inverse, -1).T, float(np.log(np.diag(factor)).sum())
 
 
-def _loss(theta, z, t, spread, variance) -> tuple[float, np.ndarray]:
+def _loss(theta, z, t, spread, variance, terms) -> tuple[float, np.ndarray]:
     """Negative log posterior of the parameters, and its gradient.
 
     With Q = (K^-1 - alpha alpha') / 2 the gradient of the negative log likelihood is
     sum Q * dK/dtheta (Rasmussen and Williams, eq. 5.9).
     """
     p = z.shape[1]
-    lengths, (smooth, noise, trend) = np.exp(theta[:p]), np.exp(2.0 * theta[p:])
+    lengths, (smooth, noise, trend, curved) = np.exp(theta[:p]), np.exp(2.0 * theta[p : p + 4])
+    noisy = noise * spread * np.exp(2.0 * terms @ theta[p + 4 :])
     matern, slope = _matern(z / lengths, z / lengths)
     linear = z @ z.T
-    covariance = smooth * matern + trend * linear + CONSTANT
-    covariance[np.diag_indices(len(t))] += noise * spread + variance
+    covariance = smooth * matern + trend * linear + 0.5 * curved * linear**2 + CONSTANT
+    covariance[np.diag_indices(len(t))] += noisy + variance
     inverse, half_log_determinant = _inverse(covariance)
     alpha = inverse @ t
     loss = 0.5 * t @ alpha + half_log_determinant
@@ -238,9 +282,11 @@ def _loss(theta, z, t, spread, variance) -> tuple[float, np.ndarray]:
     gradient = np.empty_like(theta)
     gradient[:p] = sums / lengths**2
     gradient[p] = 2.0 * smooth * np.sum(q * matern)
-    gradient[p + 1] = 2.0 * noise * np.diag(q) @ spread
+    gradient[p + 1] = 2.0 * np.diag(q) @ noisy
     gradient[p + 2] = 2.0 * trend * np.sum(q * linear)
+    gradient[p + 3] = curved * np.sum(q * linear**2)
+    gradient[p + 4 :] = 2.0 * (np.diag(q) * noisy) @ terms
 
-    priors = np.array([*[_LENGTH] * p, _SMOOTH, _NOISE, _TREND])
+    priors = _priors(p, terms.shape[1])
     away = (theta - priors[:, 0]) / priors[:, 1]
     return loss + 0.5 * away @ away, gradient + away / priors[:, 1]

@@ -3,28 +3,36 @@
 The Gaussian process predicts the target t with a mean and a standard deviation. Its own interval
 of level c is mean +- z(c) deviation with the normal quantile z(c). The *conformal* interval
 replaces the normal quantile with an empirical one: a quantile of the scores
-|t_i - mean_i| / deviation_i of rows that are held out in turn, with the process fitted again
+|t_i - mean_i| / (deviation_i g_i) of rows that are held out in turn, with the process fitted again
 without them (cross-conformal prediction: Vovk 2015, Ann. Math. Artif. Intell. 74:9). Leave-one-out
-residuals of a process whose parameters were fitted to all rows would be too small. The conformal
-interval covers about a share c of new rows for any distribution of the errors, and is wider where
-the process is less certain.
+residuals of a process whose parameters were fitted to all rows would be too small. g is the error
+scale of `abradem.learning.physical.error_scale`, a function of plate angle, speed and size that is
+learned from the held-out scores of other folds. The conformal interval covers about a share c of
+new rows for any distribution of the errors, and is wider where the process is less certain and
+where its errors were larger than it knew.
 
 The intervals are for the result of a new simulation, its noise included.
 
 Calibration is tested by nested cross-validation. Every row is held out once, its interval comes
-from the other rows only, and the share of rows inside the intervals is compared with c. For
-independent rows this share would be inside the binomial band in 95 of 100 such tests.
+from the other rows only, and the share of rows inside the intervals is compared with c, over all
+rows and by region. For independent rows this share would be inside the binomial band in 95 of 100
+such tests.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from scipy import stats
 
+from abradem.learning.physical.error_scale import ErrorScale, cross_fitted, fit_scale
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import LARGEST_LOG, WearProblem
 from abradem.learning.protocols import folds
+from abradem.learning.regions import Region, regions_of
 from abradem.surrogate.model import conformal_quantile, highest_level
 
 CONFORMAL, OWN = METHODS = ("conformal", "gaussian process")
@@ -35,12 +43,59 @@ INNER_FOLDS = 5
 """Folds within the training rows, from which the scores for the test of the intervals come."""
 TOLERANCE = 0.03
 """Largest allowed difference between coverage and nominal level for a study with enough rows."""
+COVERAGE_COLUMNS = [
+    "region", "words", "level", "coverage", "band_lower", "band_upper", "tested", "in_band",
+]  # fmt: skip
 
 
-def held_out_scores(
+class HeldOut(NamedTuple):
+    """Rows that were held out in turn, in the order in which they were asked for.
+
+    Attributes
+    ----------
+    fold : ndarray of int, shape (n,)
+        Fold in which the row was held out.
+    mean, deviation : ndarray, shape (n,)
+        What the process that did not see the row predicts for it.
+    score : ndarray, shape (n,)
+        |t - mean| / deviation, dimensionless.
+    """
+
+    fold: np.ndarray
+    mean: np.ndarray
+    deviation: np.ndarray
+    score: np.ndarray
+
+
+class Conformal(NamedTuple):
+    """Half widths of conformal intervals.
+
+    Attributes
+    ----------
+    scores : ndarray, shape (n,)
+        Held-out scores divided by the error scale, in ascending order.
+    scale : ErrorScale
+        Fitted to all of them.
+    """
+
+    scores: np.ndarray
+    scale: ErrorScale
+
+    @classmethod
+    def of(cls, summary: Mapping, scores: pd.DataFrame) -> Conformal:
+        """Restore the intervals from the summary and the table of scores of `calibrate`."""
+        ordered = np.sort(scores["score"].to_numpy(dtype=float))
+        return cls(ordered, ErrorScale.of(summary["error_scale"]))
+
+    def half(self, groups: np.ndarray, level: float) -> np.ndarray:
+        """Half width in deviations of the process for rows with groups (n, 10), shape (n,)."""
+        return conformal_quantile(self.scores, level) * self.scale.at(groups)
+
+
+def held_out(
     given: WearProblem, rows: np.ndarray, fold_count: int = INNER_FOLDS, seed: int = 0
-) -> np.ndarray:
-    """Sorted cross-validation scores |t - mean| / deviation of some rows.
+) -> HeldOut:
+    """Cross-validate the process on some rows.
 
     Parameters
     ----------
@@ -49,27 +104,61 @@ def held_out_scores(
         Rows that are used; each is scored by a process fitted to the other folds.
     fold_count : int
     seed : int
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        In ascending order, dimensionless.
     """
     make = makers(seed)[PROCESS]
-    scores = np.empty(len(rows))
-    for train, test in folds(given.table.groups[rows], fold_count, seed):
-        process = fitted(make, given, rows[train])
-        scores[test] = _scores(process, given, rows[test])[0]
-    return np.sort(scores)
+    found = HeldOut(np.zeros(len(rows), dtype=int), *np.empty((3, len(rows))))
+    for number, (train, test) in enumerate(folds(given.table.groups[rows], fold_count, seed)):
+        _note(found, given, fitted(make, given, rows[train]), number, rows, test)
+    return found
 
 
-def _scores(process, given: WearProblem, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Scores |t - mean| / deviation of some rows, and their deviations."""
-    mean, deviation = process.predict_with_deviation(given.groups[rows])
-    return np.abs(given.log_number[rows] - mean) / deviation, deviation
+def _note(found: HeldOut, given: WearProblem, process, number: int, rows, test) -> None:
+    """Score the rows of one fold, in place."""
+    mean, deviation = process.predict_with_deviation(given.groups[rows[test]])
+    found.fold[test], found.mean[test], found.deviation[test] = number, mean, deviation
+    found.score[test] = np.abs(given.log_number[rows[test]] - mean) / deviation
 
 
-def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[pd.DataFrame, dict]:
+def conformal_of(given: WearProblem, rows: np.ndarray, held: HeldOut) -> Conformal:
+    """Conformal intervals from rows that were held out.
+
+    A score is divided by the scale of the other folds, as that of a new case is by a scale that
+    does not know it.
+    """
+    groups = given.groups[rows]
+    scores = held.score / cross_fitted(held.score, groups, held.fold)
+    return Conformal(np.sort(scores), fit_scale(held.score, groups))
+
+
+class Calibration(NamedTuple):
+    """Coverage of the prediction intervals on held-out rows, and what later ones rest on.
+
+    Attributes
+    ----------
+    calibration : pandas.DataFrame
+        method, level, coverage, band_lower, band_upper (binomial band), tested (number of rows),
+        width (median of upper end / prediction - 1). Levels that the held-out scores of a fold
+        cannot promise are left out.
+    regions : pandas.DataFrame
+        Coverage of the conformal intervals by region, see `coverage_by_region`.
+    scores : pandas.DataFrame
+        case_id, fold, log_deviation (of the process), error_scale (fitted to the other folds),
+        score (|t - mean| / (deviation scale)): the held-out scores of all rows, in the order of the
+        problem.
+    summary : dict
+        ``error_scale``, fitted to the scores of all rows, see `ErrorScale.describe`;
+        ``highest_level`` that the scores can promise; ``coverage`` at the levels `REPORTED`, and
+        ``not_reached``, those of them that were left out; ``in_band``, ``within_tolerance``;
+        ``regions``, the numbers of shares in the table ``regions`` and of those ``in_band``.
+    """
+
+    calibration: pd.DataFrame
+    regions: pd.DataFrame
+    scores: pd.DataFrame
+    summary: dict
+
+
+def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> Calibration:
     """Coverage of the prediction intervals on held-out rows.
 
     Parameters
@@ -78,30 +167,20 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[p
     fold_count : int
         Number of folds; every row is held out in one of them.
     seed : int
-
-    Returns
-    -------
-    calibration : pandas.DataFrame
-        method, level, coverage, band_lower, band_upper (binomial band), tested (number of rows),
-        width (median of upper end / prediction - 1). Levels that the held-out scores of a fold
-        cannot promise are left out.
-    summary : dict
-        ``scores``: sorted held-out scores |t - mean| / deviation of all rows, from which the
-        conformal intervals of later predictions are computed; ``highest_level`` that they can
-        promise; ``coverage`` at the levels `REPORTED`, and ``not_reached``, those of them that
-        were left out; ``in_band``, ``within_tolerance``.
     """
     make = makers(seed)[PROCESS]
     n = len(given.log_number)
+    everything = np.arange(n)
     splits = folds(given.table.groups, fold_count, seed)
     highest = highest_level(min(len(train) for train, _ in splits))
     levels = [level for level in LEVELS if level <= highest]
-    score, deviation = np.empty(n), np.empty(n)
+    outer = HeldOut(np.zeros(n, dtype=int), *np.empty((3, n)))
     quantile = np.empty((n, len(levels)))
-    for train, test in splits:
-        score[test], deviation[test] = _scores(fitted(make, given, train), given, test)
-        observed = held_out_scores(given, train, seed=seed)
-        quantile[test] = [conformal_quantile(observed, level) for level in levels]
+    for number, (train, test) in enumerate(splits):
+        _note(outer, given, fitted(make, given, train), number, everything, test)
+        found = conformal_of(given, train, held_out(given, train, seed=seed))
+        for place, level in enumerate(levels):
+            quantile[test, place] = found.half(given.groups[test], level)
     half = {
         CONFORMAL: quantile,
         OWN: np.tile(stats.norm.ppf(0.5 + 0.5 * np.array(levels)), (n, 1)),
@@ -109,21 +188,32 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[p
     rows = []
     for method in METHODS:
         for place, level in enumerate(levels):
-            inside = score <= half[method][:, place]
-            low, high = stats.binom.interval(BAND, n, level)
-            reach = np.minimum(half[method][:, place] * deviation, LARGEST_LOG)
+            inside = outer.score <= half[method][:, place]
+            reach = np.minimum(half[method][:, place] * outer.deviation, LARGEST_LOG)
             width = float(np.median(np.expm1(reach)))
-            rows.append((method, level, float(inside.mean()), low / n, high / n, n, width))
+            rows.append((method, level, float(inside.mean()), *band(n, level), n, width))
     columns = ["method", "level", "coverage", "band_lower", "band_upper", "tested", "width"]
     calibration = pd.DataFrame(rows, columns=columns)
     reported = calibration[
         (calibration["method"] == CONFORMAL) & calibration["level"].isin(REPORTED)
     ]
-    return calibration, {
+    within = {level: outer.score <= quantile[:, levels.index(level)] for level in reported["level"]}
+    regions = coverage_by_region(within, given.inputs, regions_of(given.inputs))
+    cross = cross_fitted(outer.score, given.groups, outer.fold)
+    scores = pd.DataFrame(
+        {
+            "case_id": given.table.keys,
+            "fold": outer.fold,
+            "log_deviation": outer.deviation,
+            "error_scale": cross,
+            "score": outer.score / cross,
+        }
+    )
+    summary = {
         "method": CONFORMAL,
         "rows": n,
         "folds": fold_count,
-        "scores": np.sort(score),
+        "error_scale": fit_scale(outer.score, given.groups).describe(),
         "highest_level": highest_level(n),
         "not_reached": [level for level in REPORTED if level not in levels],
         "coverage": [
@@ -142,4 +232,46 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> tuple[p
             ((reported["coverage"] - reported["level"]).abs() <= TOLERANCE).all()
         ),
         "tolerance": TOLERANCE,
+        "regions": {"shares": len(regions), "in_band": int(regions["in_band"].sum())},
     }
+    return Calibration(calibration, regions, scores, summary)
+
+
+def band(tested: int, level: float) -> tuple[float, float]:
+    """Binomial band of level `BAND` of the share of ``tested`` rows inside intervals that hold."""
+    low, high = stats.binom.interval(BAND, tested, level)
+    return low / tested, high / tested
+
+
+def coverage_by_region(
+    inside: dict[float, np.ndarray], inputs: np.ndarray, regions: list[Region]
+) -> pd.DataFrame:
+    """Share of rows inside their intervals, by region and level.
+
+    Parameters
+    ----------
+    inside : dict of float to ndarray of bool, shape (n,)
+        Whether each row is inside its interval, by the level of the interval.
+    inputs : ndarray, shape (n, 14)
+        The sampled quantities of the rows.
+    regions : list of Region
+
+    Returns
+    -------
+    pandas.DataFrame
+        region, words, level, coverage, band_lower, band_upper (binomial band), tested (number of
+        rows), in_band. Regions without a row are left out.
+    """
+    rows = []
+    for region in regions:
+        held = region.holds(inputs)
+        count = int(held.sum())
+        if not count:
+            continue
+        for level, found in inside.items():
+            share = float(found[held].mean())
+            low, high = band(count, level)
+            rows.append(
+                (region.name, region.words, level, share, low, high, count, low <= share <= high)
+            )
+    return pd.DataFrame(rows, columns=COVERAGE_COLUMNS)

@@ -11,6 +11,7 @@ from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, of_kind
 from abradem.learning.evaluation import Results
 from abradem.learning.physical.ensembles import Boosting, Networks
 from abradem.learning.physical.gaussian_process import GaussianProcess
+from abradem.learning.physical.noise_terms import terms
 from abradem.learning.physical.power_law import SHARES, PowerLaw
 from abradem.learning.physical.problem import WearProblem, problem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
@@ -35,7 +36,7 @@ def makers(seed: int, boosting: dict | None = None, networks: dict | None = None
     """Constructors of the four models, by name; ``boosting`` and ``networks`` are options."""
     return {
         POWER_LAW: PowerLaw,
-        PROCESS: lambda: GaussianProcess(seed),
+        PROCESS: lambda: GaussianProcess(seed, terms),
         BOOSTING: lambda: Boosting(**(boosting or {}), seed=seed),
         NETWORKS: lambda: Networks(**(networks or {}), seed=seed),
     }
@@ -116,7 +117,7 @@ def fit_physical(
     results = evaluate(given, models, test_share, repeats, seed)
     everything = np.arange(len(given.log_number))
     law = fitted(models[POWER_LAW], given, everything)
-    exponents = law.exponents(fixed_quantities(given))
+    exponents = law.exponents(fixed_quantities(given), given.jet.mass_rate is None)
     process = fitted(models[PROCESS], given, everything)
     scores = {name: scores_of(results.scores, name, LEAKAGE_FREE, confidence) for name in models}
     # If the process was fitted to a subset, its weights do not match the rows.
@@ -189,7 +190,8 @@ def all_targets(
     -------
     pandas.DataFrame
         target, model, repeats (splits with a defined R2), r2 (their median), r2_lower, r2_upper,
-        r2_log (median R2 of ln y), raised (number of targets that were not positive).
+        r2_log (median R2 of ln y), r2_number (median R2 of the logarithm of the wear number),
+        raised (number of targets that were not positive).
     """
     rows = []
     for target in WEAR_COLUMNS:
@@ -198,19 +200,23 @@ def all_targets(
         given = problem(dataset, jet, target)
         y = given.table.target
         for name, make in models.items():
-            raw, logarithmic = [], []
+            raw, logarithmic, numbers = [], [], []
             for train, test in repeated_splits(
                 given.table.keys, given.table.groups, test_share, repeats, seed
             ):
                 predicted = fitted(make, given, train).predict(given.groups[test])
                 raw.append(r2(y[test], given.wear(test, predicted)))
+                numbers.append(r2(given.log_number[test], predicted))
                 logarithmic.append(
                     r2(given.log_number[test] + np.log(given.scale[test]),
                        predicted + np.log(given.scale[test]))
                 )  # fmt: skip
             scored, *ends = central(raw, confidence)
-            rows.append((target, name, scored, *ends, middle_of(logarithmic), given.raised))
+            rows.append(
+                (target, name, scored, *ends, middle_of(logarithmic), middle_of(numbers),
+                 given.raised)
+            )  # fmt: skip
     columns = [
-        "target", "model", "repeats", "r2", "r2_lower", "r2_upper", "r2_log", "raised",
+        "target", "model", "repeats", "r2", "r2_lower", "r2_upper", "r2_log", "r2_number", "raised",
     ]  # fmt: skip
     return pd.DataFrame(rows, columns=columns)

@@ -17,7 +17,7 @@ do not determine are given as such, without a number (`abradem.dataset.variation
 
 The groups share quantities (the density is in L and Ca, the speed in Fr, L and Ca), so the
 exponents of the quantities are reported as well. They are sums of the exponents of the groups
-(`SHARES`), and their standard errors follow from the covariance of the fit.
+(`shares_of`), and their standard errors follow from the covariance of the fit.
 """
 
 from __future__ import annotations
@@ -57,7 +57,24 @@ SHARES: dict[str, tuple[float, dict[int, float]]] = {
     "effective_shear_modulus": (0.0, {_RATIO: 1.0}),
     "archard_constant": (1.0, {}),
 }
-"""For each quantity its exponent in the scale s, and its exponent in each group."""
+"""For each quantity its exponent in the scale s, and its exponent in each group, with a feed by
+mass."""
+
+
+def shares_of(by_number: bool) -> dict[str, tuple[float, dict[int, float]]]:
+    """`SHARES` of a feed by mass or by number.
+
+    With a feed by number the scale s = W n' m v^2 / (2 A) holds the mass m of a particle, and the
+    loading is proportional to the density.
+    """
+    if not by_number:
+        return SHARES
+    return {
+        **SHARES,
+        "impact_speed": (2.0, {_SPEED: 2.0, _CAUCHY: 2.0}),
+        "particle_radius": (3.0, {_SIZE: 1.0}),
+        "particle_density": (1.0, {_LOADING: 1.0, _CAUCHY: 1.0}),
+    }
 
 
 class PowerLaw:
@@ -153,13 +170,15 @@ class PowerLaw:
         """Logarithm of the wear number for groups (n, 10)."""
         return _design(x) @ self.coefficients
 
-    def exponents(self, fixed: Collection[str] = ()) -> pd.DataFrame:
+    def exponents(self, fixed: Collection[str] = (), by_number: bool = False) -> pd.DataFrame:
         """Exponents of quantities and coefficients of groups, with standard errors.
 
         Parameters
         ----------
         fixed : collection of str
             The quantities of `SHARES` that were held fixed in the rows.
+        by_number : bool
+            Whether particles were fed by number, not by mass.
 
         Returns
         -------
@@ -169,7 +188,7 @@ class PowerLaw:
             what was held fixed or is not identified are nan.
         """
         rows = []
-        for name, (in_scale, shares) in SHARES.items():
+        for name, (in_scale, shares) in shares_of(by_number).items():
             along = np.zeros(len(self.coefficients))
             for group, share in shares.items():
                 along[1 + group] = share

@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset.variation import HELD_FIXED, of_kind
-from abradem.learning.physical.intervals import held_out_scores
+from abradem.learning.physical.intervals import conformal_of, held_out
 from abradem.learning.physical.models import PROCESS, fitted
 from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import CURVE, folds, repeated_splits
-from abradem.learning.scores import central, r2, score
+from abradem.learning.scores import central, middle_of, r2, score
 from abradem.quantities import SAMPLED_NAMES
-from abradem.surrogate.model import conformal_quantile, highest_level
+from abradem.surrogate.model import highest_level
 
 SMALLEST = 25
 """Number of training rows at the start of a learning curve."""
@@ -78,20 +78,23 @@ def learning_curve(
     -------
     pandas.DataFrame
         model, trained (number of rows), repeats (splits with a defined R2), r2 (their median),
-        r2_lower, r2_upper.
+        r2_lower, r2_upper, r2_number (median R2 of the logarithm of the wear number).
     """
     y = given.table.target
     splits = list(repeated_splits(given.table.keys, given.table.groups, test_share, repeats, seed))
     rows = []
     for name, make in models.items():
         for size in sizes(len(splits[0][0])):
-            found = []
+            found, numbers = [], []
             for repeat, (train, test) in enumerate(splits):
                 kept = np.random.default_rng([seed, repeat, CURVE]).permutation(train)[:size]
                 model = fitted(make, given, np.sort(kept))
-                found.append(r2(y[test], given.wear(test, model.predict(given.groups[test]))))
-            rows.append((name, size, *central(found, confidence)))
-    return pd.DataFrame(rows, columns=["model", "trained", "repeats", "r2", "r2_lower", "r2_upper"])
+                predicted = model.predict(given.groups[test])
+                found.append(r2(y[test], given.wear(test, predicted)))
+                numbers.append(r2(given.log_number[test], predicted))
+            rows.append((name, size, *central(found, confidence), middle_of(numbers)))
+    columns = ["model", "trained", "repeats", "r2", "r2_lower", "r2_upper", "r2_number"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) -> pd.DataFrame:
@@ -110,10 +113,11 @@ def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) 
     Returns
     -------
     pandas.DataFrame
-        test, words, model, trained, tested (numbers of rows), r2, mape, coverage (of the 95 %
-        intervals of the Gaussian process; nan for other models, and where too few rows can promise
-        that level), within_r2, within_mape (by cross-validation). Tests of a quantity that was
-        held fixed, or with too few rows, are left out.
+        test, words, model, trained, tested (numbers of rows), r2, r2_number (of the logarithm of
+        the wear number), mape, coverage (of the 95 % intervals of the Gaussian process; nan for
+        other models, and where too few rows can promise that level), within_r2, within_mape (by
+        cross-validation). Tests of a quantity that was held fixed, or with too few rows, are left
+        out.
     """
     y = given.table.target
     everything = np.arange(len(y))
@@ -134,18 +138,19 @@ def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) 
             coverage = np.nan
             if name == PROCESS and highest_level(len(train)) >= LEVEL:
                 _, deviation = model.predict_with_deviation(given.groups[held])
-                observed = held_out_scores(given, train, seed=seed)
+                intervals = conformal_of(given, train, held_out(given, train, seed=seed))
                 away = np.abs(given.log_number[held] - predicted) / deviation
-                coverage = float(np.mean(away <= conformal_quantile(observed, LEVEL)))
+                coverage = float(np.mean(away <= intervals.half(given.groups[held], LEVEL)))
             seen = _cross_validated(given, make, held, seed)
             inside = score(y[held], seen, float(y[train].min()))
             rows.append(
-                (test.name, test.words, name, len(train), len(held), found["R2"], found["MAPE"],
-                 coverage, inside["R2"], inside["MAPE"])
+                (test.name, test.words, name, len(train), len(held), found["R2"],
+                 r2(given.log_number[held], predicted), found["MAPE"], coverage, inside["R2"],
+                 inside["MAPE"])
             )  # fmt: skip
     columns = [
-        "test", "words", "model", "trained", "tested", "r2", "mape", "coverage", "within_r2",
-        "within_mape",
+        "test", "words", "model", "trained", "tested", "r2", "r2_number", "mape", "coverage",
+        "within_r2", "within_mape",
     ]  # fmt: skip
     return pd.DataFrame(rows, columns=columns)
 
