@@ -46,7 +46,7 @@ def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, col
     worst = str(means.idxmax())
     text = (
         f"Of {len(means)} parts {worst} wears most: {means[worst]:.3g} mm/s on average over "
-        f"{parts['case_id'].nunique()} cases ({WearTarget(column).words})."
+        f"{_count(parts['case_id'].nunique())} ({_words(column)})."
     )
     clear = effects[effects["rank_correlation"].abs() >= CLEAR]
     of_worst = clear[clear["part_name"] == worst]
@@ -61,9 +61,10 @@ def _part(part: str, parts: pd.DataFrame, effects: pd.DataFrame, column: str) ->
     rows = parts[parts["part_name"] == part]
     rate = rows[column]
     text = (
-        f"Area {rows['area'].iloc[0]:.4g} m2; {rate.mean():.3g} mm/s on average, from "
-        f"{rate.min():.3g} to {rate.max():.3g} mm/s."
+        f"Area {rows['area'].iloc[0]:.4g} m2; {rate.mean():.3g} mm/s on average over "
+        f"{_count(len(rate))}"
     )
+    text += f", from {rate.min():.3g} to {rate.max():.3g} mm/s." if len(rate) > 1 else "."
     found = effects[(effects["part_name"] == part) & (effects["rank_correlation"].abs() >= CLEAR)]
     return " ".join([text, *(_effect_words(row) for _, row in found.iterrows())])
 
@@ -76,6 +77,19 @@ def _effect_words(row: pd.Series) -> str:
     verb = "falls" if row["rank_correlation"] < 0.0 else "rises"
     return (
         f"It {verb} with {words} (rank correlation {row['rank_correlation']:.2f}): "
-        f"{row['low_rate']:.3g} mm/s from {row['low_from']:.3g} to {row['low_to']:.3g}{unit}, "
-        f"{row['high_rate']:.3g} mm/s from {row['high_from']:.3g} to {row['high_to']:.3g}{unit}."
+        f"{row['low_rate']:.3g} mm/s {_interval(row['low_from'], row['low_to'])}{unit}, "
+        f"{row['high_rate']:.3g} mm/s {_interval(row['high_from'], row['high_to'])}{unit}."
     )
+
+
+def _interval(low: float, high: float) -> str:
+    return f"at {low:.3g}" if low == high else f"from {low:.3g} to {high:.3g}"
+
+
+def _count(cases: int) -> str:
+    return "1 case" if cases == 1 else f"{cases} cases"
+
+
+def _words(column: str) -> str:
+    """Description of a wear rate of a part."""
+    return WearTarget(column).words.replace("the plate", "the part")
