@@ -63,5 +63,5 @@ def draw_part_rates(
             if index == 0:
                 panel.set_ylabel("Depth rate (mm/s)")
                 panel.legend(fontsize=6.5)
-        style.caption(figure, f"{explained.words}; one point per case and part")
+        style.caption(figure, f"{explained.of_part}; one point per case and part")
     return figure

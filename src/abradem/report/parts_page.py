@@ -46,7 +46,7 @@ def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, col
     worst = str(means.idxmax())
     text = (
         f"Of {len(means)} parts {worst} wears most: {means[worst]:.3g} mm/s on average over "
-        f"{_count(parts['case_id'].nunique())} ({_words(column)})."
+        f"{_count(parts['case_id'].nunique())} ({WearTarget(column).of_part})."
     )
     clear = effects[effects["rank_correlation"].abs() >= CLEAR]
     of_worst = clear[clear["part_name"] == worst]
@@ -88,8 +88,3 @@ def _interval(low: float, high: float) -> str:
 
 def _count(cases: int) -> str:
     return "1 case" if cases == 1 else f"{cases} cases"
-
-
-def _words(column: str) -> str:
-    """Description of a wear rate of a part."""
-    return WearTarget(column).words.replace("the plate", "the part")

@@ -73,6 +73,11 @@ class WearTarget(NamedTuple):
         return f"wear depth rate, {self.measure}, {self.place}"
 
     @property
+    def of_part(self) -> str:
+        """The short description for a named part of a surface."""
+        return self.words.replace("the plate", "the part")
+
+    @property
     def explained(self) -> str:
         """Description that says what the measure is."""
         if not self.known:
