@@ -93,8 +93,8 @@ def surface_map_figure(surface: Surface, cells: pd.DataFrame, measure: str) -> F
         width = style.PAGE if flat else 0.7 * style.PAGE
         figure = style.new_figure(width, 3.4)
         figure.set_layout_engine("none")
-        share = 0.5 if flat else 0.8
-        space = figure.add_axes((0.0, 0.07, share, 0.92), projection="3d")
+        share = 0.44 if flat else 0.8
+        space = figure.add_axes((0.0, 0.1, share, 0.9), projection="3d")
         _space(space, surface, np.where(bare, BARE, faces))
         if flat:
             _flat(figure, surface, np.where(bare, BARE_FLAT, faces), flat)
@@ -176,7 +176,7 @@ def _flat(
     figure: Figure, surface: Surface, faces: np.ndarray, flat: Sequence[tuple[int, np.ndarray]]
 ) -> None:
     """Draw the parts that are laid out beside each other, on one scale."""
-    left, right, bottom, top = 0.56, 0.88, 0.16, 0.88
+    left, right, bottom, top = 0.48, 0.88, 0.16, 0.88
     extents = [
         (float(np.ptp(corners[..., 1])), float(np.ptp(corners[..., 0]))) for _, corners in flat
     ]

@@ -44,8 +44,9 @@ def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, col
         return "No case gave a wear rate."
     means = parts.groupby("part_name", sort=False)[column].mean()
     worst = str(means.idxmax())
+    begin = f"Of {len(means)} parts {worst} wears most" if len(means) > 1 else f"{worst} wears"
     text = (
-        f"Of {len(means)} parts {worst} wears most: {means[worst]:.3g} mm/s on average over "
+        f"{begin}: {means[worst]:.3g} mm/s on average over "
         f"{_count(parts['case_id'].nunique())} ({WearTarget(column).of_part})."
     )
     clear = effects[effects["rank_correlation"].abs() >= CLEAR]
