@@ -21,6 +21,7 @@
     return made;
   };
   const short = (number, digits = 4) => {
+    if (Number.isNaN(number)) return "none";
     if (!Number.isFinite(number)) return "any number of";
     const rounded = Number(Number(number).toPrecision(digits));
     const size = Math.abs(rounded);
