@@ -15,7 +15,7 @@ from abradem.dem.model import Case, Setup
 from abradem.dem.state import DONE, GONE, make_problem, make_state
 from abradem.dem.surface import CELL_SUMS, Feed, cell_areas, check_surface, standing_surface
 from abradem.verification import surfaces as checked
-from abradem.verification.surface_scenes import arc, belt, cut_plane, drum, extruded
+from abradem.verification.surface_scenes import arc, belt, cut_plane, drum, extruded, room_corner
 
 CASE = Case(6e9, 0.25, 3000, 8e10, 0.3, 7800, 0.5, 0.05, 0.45, 1e-9, 30.0, 0.0, 0.01, -3.0, 3)
 CHANNEL = extruded([(-0.1, 0.05), (0.0, 0.0), (0.02, 0.0), (0.1, 0.07)], 0.2, across=4)
@@ -93,12 +93,7 @@ def test_a_sphere_in_an_arc_has_one_contact_and_in_a_corner_three():
         reach = 0.1 - radius + 1e-4
         x, y = reach * np.sin(angle), -reach * np.cos(angle)
         assert find_contacts(mesh, x, y, 0.001, MOST_HITS, WALLS) == 1
-    floor = [(0, 0, 0), (0.1, 0, 0), (0.1, 0, 0.1), (0, 0, 0.1), (0, 0.1, 0), (0, 0.1, 0.1),
-             (0.1, 0.1, 0)]  # fmt: skip
-    box = standing_surface(
-        floor, [(0, 1, 2), (0, 2, 3), (0, 3, 5), (0, 5, 4), (0, 4, 6), (0, 6, 1)]
-    )
-    mesh = make_mesh(box, radius, 1)
+    mesh = make_mesh(room_corner(0.1), radius, 1)
     near = radius - 1e-5
     assert find_contacts(mesh, near, near, near, MOST_HITS, WALLS) == 3
     assert find_contacts(mesh, near, near, 0.05, MOST_HITS, WALLS) == 2

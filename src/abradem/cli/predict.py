@@ -176,6 +176,8 @@ def _refuse_combinations(options: argparse.Namespace) -> None:
         problems.append("--solve needs --depth VALUE and --hours VALUE")
     if options.solve is None and options.hours is not None:
         problems.append("--hours is for --solve; --depth alone gives the hours")
+    if inverse and options.map is not None:
+        problems.append(f"--map is not for {inverse[0]}")
     if options.target is not None and not inverse:
         problems.append("--target is for --solve and --extremes; a prediction gives all places")
     if options.extremes is not None and options.depth is not None:

@@ -84,6 +84,13 @@ def cut_plane(
     return standing_surface(vertices.reshape(-1, 3), triangles)
 
 
+def room_corner(side: float) -> Surface:
+    """Return three square walls of edge length ``side``, m, on the axes' planes from the origin."""
+    points = [(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1), (0, 1, 0), (0, 1, 1), (1, 1, 0)]
+    triangles = [(0, 1, 2), (0, 2, 3), (0, 3, 5), (0, 5, 4), (0, 4, 6), (0, 6, 1)]
+    return standing_surface(side * np.array(points, dtype=float), triangles)
+
+
 def arc(radius: float, begin_deg: float, end_deg: float, segments: int, width: float) -> Surface:
     """Return a part of a cylinder about the z axis; 0 is its lowest line, angles about +z."""
     angles = np.radians(np.linspace(begin_deg, end_deg, segments + 1))

@@ -12,7 +12,7 @@ from abradem.verification import closed_forms as exact
 from abradem.verification.checks import Check, checks_table
 from abradem.verification.chutes import chute_checks, compare_chutes
 from abradem.verification.scenes import Film, Scene, solid
-from abradem.verification.surface_scenes import arc, belt, cut_plane, drum, extruded
+from abradem.verification.surface_scenes import arc, belt, cut_plane, drum, extruded, room_corner
 
 PART = 12
 GRAVITY = 9.81
@@ -187,8 +187,20 @@ def edge_checks() -> list[Check]:
 
 
 def corner_checks() -> list[Check]:
-    """Return checks of a sphere at rest between two walls."""
+    """Return checks of a sphere at rest between two walls, and of a bounce off three."""
     checks = []
+    scene = SOFT.with_interaction(restitution=1.0, static_friction=0.0)
+    towards = np.array([-1.0, -0.8, -0.6])
+    place = scene.radius - 0.005 * towards
+    _, film = filmed_on(scene, room_corner(0.1), ([0.0], [place], [towards]), 0.015, SOFT_STEP,
+                        SOFT_STEP, gravity=0.0)  # fmt: skip
+    after = np.array([film.of(name)[-1] for name in ("vx", "vy", "vz")])
+    most = max(np.count_nonzero(force) for force in film.forces)
+    checks += [
+        Check("bounce off three walls at once: velocity, largest difference",
+              np.abs(after + towards).max(), 0.0, ONE_STEP, "m/s", "absolute"),
+        Check("bounce off three walls at once: most contacts at once", most, 3, 0.0),
+    ]  # fmt: skip
     for slope in (30.0, 45.0, 60.0):
         rise = math.tan(math.radians(slope))
         surface = extruded([(-0.05, 0.05 * rise), (0.0, 0.0), (0.05, 0.05 * rise)], 0.1, 3)

@@ -134,11 +134,15 @@ def with_meaning(
     """Description and arrays of a surrogate that says whether its jet and target are known.
 
     Of a table from elsewhere they may not be. The numbers of the jet are then a reference with
-    which the groups are computed, and the name of the target that of its column alone.
+    which the groups are computed, and the names of the wear rates those of their columns alone.
     """
     description, arrays = model
-    target = {**description["target"], "known": target_known}
-    return {**description, "jet_known": jet_known, "target": target}, arrays
+
+    def said(one: dict) -> dict:
+        return {**one, "target": {**one["target"], "known": target_known}}
+
+    local = [said(one) for one in description.get("local", [])]
+    return {**said(description), "jet_known": jet_known, "local": local}, arrays
 
 
 def with_local_wear(
