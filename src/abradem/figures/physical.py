@@ -76,9 +76,9 @@ def models_figure(
             )
         words += (
             f"(b) each of {rows} rows held out once; grey: 95 % binomial band. (c) median over the "
-            "splits and central 95 %. (d) Gaussian process over the ranges of the data set, 95 % "
-            "bootstrap intervals. (e) exponents of quantities, computed from those of the groups; "
-            "bars: 95 % intervals, HC3"
+            "splits and central 95 %. (d) Gaussian process over the ranges of the data set; bars: "
+            "95 % of functions drawn from its posterior. (e) exponents of quantities, computed "
+            "from those of the groups; bars: 95 % intervals, HC3"
         )
         if (exponents["variation"] == NOT_IDENTIFIED).any():
             words += "; not identified: the rows do not tell it from others, nor C"
