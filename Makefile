@@ -41,7 +41,8 @@ $(STAMP): pyproject.toml constraints.txt
 run: $(STAMP) ## run a study and write its report: make run, make run STUDY=studies/smoke.yaml
 	@folder=$$($(BIN)/abradem config --folder $(FILES)) && \
 	$(BIN)/snakemake --configfile $(FILES) $(ARGS) && \
-	$(BIN)/snakemake --configfile $(FILES) --report $$folder/.report.html --quiet && \
+	$(BIN)/snakemake --configfile $(FILES) --report $$folder/.report.html \
+		--report-stylesheet workflow/report/report.css --quiet && \
 	mv -f $$folder/.report.html $$folder/report.html && \
 	echo $$folder/report.html
 

@@ -85,7 +85,18 @@ else:
     STAGES_OF_SIMULATION = []
 
 
-if not CALIBRATES:
+if WEARS_SURFACE and not CALIBRATES:
+
+    include: "workflow/rules/running.smk"
+    include: "workflow/rules/geometry.smk"
+
+    WHOLE_STUDY = [
+        STAGES_OF_SIMULATION,
+        rules.dataset.output,
+        rules.surface.input,
+    ]
+
+elif not CALIBRATES:
 
     include: "workflow/rules/baselines.smk"
     include: "workflow/rules/physical.smk"

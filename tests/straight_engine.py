@@ -48,4 +48,6 @@ def straight_line(case, setup, status="ok", steady=True):
         released=200,
         removed=180,
         energy={},
+        cell_sums=nothing[:0],
+        cell_sums_all=nothing[:0],
     )

@@ -26,14 +26,15 @@ SCRIPTS = ROOT / "workflow/scripts"
 RULES = ROOT / "workflow/rules"
 
 FLOORS = {
-    "cli": 9,
-    "running": 8, "report": 8, "publish": 8, "cases": 8,
-    "figures": 7,
-    "verification": 6, "learning": 6, "calibration": 6,
-    "surrogate": 5,
-    "dataset": 4,
-    "wear": 3,
-    "simulation": 2, "sampling": 2,
+    "cli": 10,
+    "running": 9, "report": 9, "publish": 9, "cases": 9,
+    "figures": 8,
+    "verification": 7, "learning": 7, "calibration": 7,
+    "surrogate": 6,
+    "dataset": 5,
+    "wear": 4,
+    "simulation": 3, "sampling": 3,
+    "geometry": 2,
     "dem": 1,
     "config": 0, "store": 0, "words": 0, "quantities": 0, "units": 0, "elastic": 0,
 }  # fmt: skip

@@ -12,8 +12,8 @@ def _block(kind, lines, name=""):
     return "\n".join([f"Begin {kind} {name}", *lines, f"End {kind}", ""])
 
 
-def write_parts(radius, particles, corners):
-    """Write the model parts of particles at given positions and of a plate with four corners."""
+def write_parts(radius, particles, corners, triangles=FACES):
+    """Write the model parts of particles at given positions and of a surface of triangles."""
     numbers = range(1, len(particles) + 1)
     spheres = _block("Properties", [], "1")
     spheres += _block(
@@ -26,7 +26,7 @@ def write_parts(radius, particles, corners):
     nodes = [f"{FIRST_NODE + i} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(corners)]
     faces = [
         " ".join(str(k) for k in (FIRST_FACE + i, 2, *(FIRST_NODE + corner for corner in face)))
-        for i, face in enumerate(FACES)
+        for i, face in enumerate(triangles)
     ]
     plate = _block("Properties", [], "2")
     plate += _block("Nodes", nodes) + _block("Conditions", faces, "RigidFace3D3N")

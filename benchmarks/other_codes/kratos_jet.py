@@ -1,4 +1,4 @@
-"""The jet with Kratos: velocities at its end."""
+"""A jet with Kratos: velocities at its end, and forces on the way."""
 
 import json
 from importlib.metadata import version
@@ -17,7 +17,7 @@ class Jet(DEMAnalysisStage):
         """Release the particles due at the start; the first particle is in the input."""
         super().Initialize()
         self.due = list(task["releases"])
-        self.particles, self.done = [], 0
+        self.particles, self.done, self.track = [], 0, []
         self._release()
 
     def FinalizeSolutionStep(self):
@@ -25,8 +25,17 @@ class Jet(DEMAnalysisStage):
         super().FinalizeSolutionStep()
         self.done += 1
         self._release()
+        if task["track_steps"] and self.done % task["track_steps"] == 0:
+            self._track()
         if self.done == task["steps"]:
             self.end = [list(n.GetSolutionStepValue(kratos.VELOCITY)) for n in self.particles]
+
+    def _track(self):
+        """Note place and force of the particles that something pushes upwards."""
+        for node in self.particles:
+            force = node.GetSolutionStepValue(kratos.TOTAL_FORCES)
+            if force[1] > 0.0:
+                self.track.append([node.X, node.Y, force[0], force[1]])
 
     def _release(self):
         while self.due and self.due[0][0] <= self.done:
@@ -46,9 +55,10 @@ class Jet(DEMAnalysisStage):
 
 with open("task.json") as file:
     task = json.load(file)
-write_parts(task["radius"], [task["releases"][0][1]], task["corners"])
+write_parts(task["radius"], [task["releases"][0][1]], task["corners"], task["triangles"])
 write_materials(task)
 run = Jet(kratos.Model(), parameters(task, task["gravity"], search_every=50, skin=0.002))
 run.Run()
 with open("found.json", "w") as file:
-    json.dump({"version": version("KratosDEMApplication"), "end": run.end}, file)
+    found = {"version": version("KratosDEMApplication"), "end": run.end, "track": run.track}
+    json.dump(found, file)

@@ -144,6 +144,30 @@ FEATURE_NAMES: tuple[str, ...] = tuple(q.name for q in QUANTITIES[:-1])
 SAMPLED_NAMES: tuple[str, ...] = tuple(q.name for q in SAMPLED)
 
 
+MOST_PLATES = 8
+"""Largest number of plates of a chain."""
+
+GEOMETRY_UNITS: dict[str, str] = {
+    **{
+        f"plate_{place}_{name}": unit
+        for place in range(1, MOST_PLATES + 1)
+        for name, unit in (
+            ("length", "m"), ("width", "m"), ("angle", "deg"), ("gap", "m"), ("drop", "m"),
+            ("belt", "m/s"),
+        )
+    },
+    "arc_radius": "m", "arc_begin": "deg", "arc_end": "deg", "arc_width": "m",
+    **{
+        f"screw_{name}": "m"
+        for name in ("length", "radius", "shaft_radius", "pitch", "clearance", "rim")
+    },
+    "screw_revolutions": "rev/min",
+}  # fmt: skip
+"""Quantities of a geometry that may be sampled, with their units: columns of the cases."""
+
+GEOMETRY_NAMES: tuple[str, ...] = tuple(GEOMETRY_UNITS)
+
+
 def wear_column(measure: str, statistic: str) -> str:
     """Return the column name of the wear depth rate for a wear measure and a statistic."""
     return f"wear_{measure}_{statistic}"

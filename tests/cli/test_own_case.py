@@ -20,6 +20,7 @@ from abradem.config.materials import preset
 from abradem.dataset.user_table import find_columns, read_user_table
 from abradem.dem.model import Setup
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, WEAR_COLUMNS, WEAR_MEASURES
+from abradem.store.files import read_json, write_json
 from abradem.store.tables import read_table, read_units
 from abradem.surrogate.groups import jet_of
 from abradem.surrogate.model import PredictionError
@@ -237,6 +238,10 @@ def test_the_surrogate_of_the_study_is_asked_if_it_is_there(capsys, asked, here)
 
 def test_a_surrogate_of_another_jet_or_range_warns(capsys, asked, here):
     write_flat_surrogate(here / "s", jet_of(DEFAULT))
+    description = read_json(here / "s.json")
+    ranges = {feature["name"]: feature for feature in description["features"]}
+    ranges["plate_angle"]["training_range"] = [45.0, 45.0]
+    write_json(description, here / "s.json")
     changed = ["--set", "factory.mass_rate_kg_s=10", "plate_angle=80"]
     _, out, err = run(capsys, "simulate", "--model", here / "s", *changed)
     assert out[-1].startswith(f"surrogate {here / 's'}: ")
@@ -244,7 +249,7 @@ def test_a_surrogate_of_another_jet_or_range_warns(capsys, asked, here):
         "warning: the surrogate was trained with another set-up: mass_rate 42.0 instead of 10.0"
         in (err)
     )
-    assert any("plate_angle = 80 deg is outside the training range" in line for line in err)
+    assert any("plate_angle = 80 deg: this quantity was held fixed" in line for line in err)
 
 
 # Simulate: what is refused
@@ -267,7 +272,7 @@ def test_all_that_is_wrong_is_told_at_once_and_nothing_is_simulated(capsys, aske
         "plate_angel (did you mean plate_angle?): no such quantity",
         "--duration -1s: must be positive",
         "--set x: is not of the form KEY=VALUE",
-        "--map x.txt: must end with one of .parquet, .csv, .png, .pdf, .svg",
+        "--map x.txt: must end with one of .parquet, .csv, .png, .pdf, .svg, .vtp",
         "--series folder.png: is a folder; name a file",
         "--seed -1: is outside 0 ... 9223372036854775807",
         "--interval needs --snapshots FOLDER",
@@ -312,10 +317,10 @@ def test_one_line_says_what_is_wrong(capsys, asked, arguments, line):
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_compilation_is_said_before_and_after(monkeypatch, capsys, compiled):
     from abradem.cli.case_input import load_kernels
-    from abradem.dem import warm
+    from abradem.dem import cache, warm
 
     loaded = []
-    monkeypatch.setattr(warm, "is_compiled", lambda stepping: compiled)
+    monkeypatch.setattr(cache, "is_compiled", lambda stepping: compiled)
     monkeypatch.setattr(warm, "load", loaded.append)
     load_kernels("islands")
     lines = capsys.readouterr().err.splitlines()
@@ -326,19 +331,19 @@ def test_a_compilation_is_said_before_and_after(monkeypatch, capsys, compiled):
 
 
 def test_a_stepping_is_compiled_when_its_kernel_is_in_the_cache(monkeypatch, tmp_path):
-    from abradem.dem import warm
+    from abradem.dem import cache
 
-    monkeypatch.setattr(warm, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
     (tmp_path / "dem_0").mkdir()
     (tmp_path / "dem_0" / "islands.advance-80.py311.nbi").write_bytes(b"")
-    assert warm.is_compiled("islands") and not warm.is_compiled("synchronous")
+    assert cache.is_compiled("islands") and not cache.is_compiled("synchronous")
 
 
 def test_the_real_kernels_are_found_in_the_cache_once_they_are_loaded():
-    from abradem.dem import warm
+    from abradem.dem import cache, warm
 
     warm.load("islands")
-    assert warm.is_compiled("islands")
+    assert cache.is_compiled("islands")
 
 
 # Lists and ranges

@@ -22,6 +22,7 @@ from abradem.config import (
     declaration,
     documentation,
     explaining,
+    jet_is_known,
     load_config,
     read_config,
     reference,
@@ -35,7 +36,8 @@ from abradem.dem.model import Setup
 from abradem.quantities import SAMPLED
 from abradem.running import effort
 from abradem.running.effort import estimate
-from abradem.sampling.cost import SECONDS_PER_PARTICLE
+from abradem.sampling.cost import COSTS, batch_seconds
+from abradem.sampling.draw import block_cases
 
 ROOT = Path(__file__).parents[2]
 CONFIG = ROOT / "config.yaml"
@@ -53,6 +55,18 @@ MALFORMED = {
     "columns_without_a_table": (
         "study: a\ndataset:\n  columns: {plate_angle: slope}\n",
         'config.yaml: dataset.columns: {plate_angle: "slope"}: requires a table in dataset.external',
+    ),
+    "jet_of_no_table": (
+        "study: a\ndataset:\n  jet: stated\n",
+        'config.yaml: dataset.jet: "stated": requires a table in dataset.external',
+    ),
+    "rate_of_no_table": (
+        "study: a\ndataset:\n  rate: stated\n",
+        'config.yaml: dataset.rate: "stated": requires a table in dataset.external',
+    ),
+    "jet_in_another_word": (
+        "study: a\ndataset:\n  external: t.csv\n  jet: known\n",
+        'config.yaml: dataset.jet: "known": is unknown (allowed stated, unknown)',
     ),
     "column_that_is_no_name": (
         "study: a\ndataset:\n  external: t.csv\n  columns: {plate_angle: 3}\n",
@@ -1002,15 +1016,24 @@ def test_whatever_is_given_ends_in_a_configuration_or_in_one_line_per_problem(va
         assert all(len(problem.splitlines()) == 1 for problem in error.problems)
 
 
-def test_estimate_is_one_line_that_counts_cases_blocks_and_jobs():
+@pytest.mark.parametrize("compiled", [True, False])
+def test_estimate_is_one_line_that_counts_cases_blocks_and_jobs(compiled, monkeypatch):
+    monkeypatch.setattr(effort, "is_compiled", lambda stepping: compiled)
     config = read_config(CONFIG, ROOT / "studies/smoke.yaml")
     line = estimate(config, cores=2)
     assert line.startswith("smoke: 12 cases in 2 blocks, 4 simulation jobs, simulated in about ")
-    assert line.endswith(" on 2 cores")
+    assert line.endswith(" on 2 cores" if compiled else f" on 2 cores, {effort.COMPILES}")
+
+
+def seconds_told(config, cores):
+    """The run time that the line states, s."""
+    line = estimate(config, cores=cores)
+    number, unit = re.search(r"about ([\d.]+) (\w+) on", line).groups()
+    return float(number) * {"s": 1.0, "min": 60.0, "h": 3600.0}[unit]
 
 
 def test_the_estimate_adds_up_cases_and_starts_of_jobs():
-    """Without a bed the time of a case is its number of particles times the constant of `cost`."""
+    """On a steep plate a case costs its particles, its simulated time and a constant."""
 
     def told(**changes):
         study = {
@@ -1032,12 +1055,39 @@ def test_the_estimate_adds_up_cases_and_starts_of_jobs():
                 },
             },
         }
-        line = estimate(Config.model_validate(study), cores=changes.get("cores", 1))
-        number, unit = re.search(r"about ([\d.]+) (\w+) on", line).groups()
-        return float(number) * {"s": 1.0, "min": 60.0, "h": 3600.0}[unit]
+        return seconds_told(Config.model_validate(study), changes.get("cores", 1))
 
     particles = 4.0 / (4.0 / 3.0 * math.pi * 0.01**3 * 2500.0) * 100.0
-    least = 100.0 * (particles * SECONDS_PER_PARTICLE + effort.SECONDS_PER_JOB)
+    case = COSTS.case + 100.0 * COSTS.second + particles * COSTS.particle
+    least = 100.0 * (case + effort.SECONDS_PER_JOB)
     assert least <= told() <= 1.3 * least
     assert told(blocks=40) == pytest.approx(40.0 * told(), rel=0.1)
     assert told(blocks=40, cores=8) == pytest.approx(told(blocks=5), rel=0.1)
+
+
+def test_the_estimate_is_at_least_the_time_of_the_most_expensive_batch():
+    study = {
+        "study": "a",
+        "sampling": {
+            "blocks": 1,
+            "cases_per_block": 20,
+            "ranges": {"particle_radius_mm": 5, "plate_angle": 0, "particle_velocity_y": -1},
+        },
+        "simulation": {"cases_per_job": 10},
+    }
+    config = Config.model_validate(study)
+    alone = batch_seconds(
+        block_cases(1, 0, 20, "lhs", sampled_ranges(config)), setup_dict(config), config.batches
+    )
+    assert seconds_told(config, cores=1) > 1.5 * seconds_told(config, cores=2)
+    assert seconds_told(config, cores=100) == pytest.approx(max(alone), rel=0.05)
+
+
+def test_a_table_is_asked_what_it_means():
+    for stated, words in (((), "dataset.jet and dataset.rate unk"), (("jet",), "dataset.rate unk")):
+        given = {"external": "t.csv", **dict.fromkeys(stated, "stated")}
+        assert words in estimate(Config(study="a", dataset=given), 2)
+    known = Config(study="a", dataset={"external": "t.csv", "jet": "stated", "rate": "stated"})
+    assert estimate(known, 2) == "a: learning from t.csv, nothing is simulated"
+    assert jet_is_known(known) and jet_is_known(Config(study="a"))
+    assert not jet_is_known(Config(study="a", dataset={"external": "t.csv"}))

@@ -1,12 +1,16 @@
 """Numbers of the configuration with a unit of their own, and materials by name."""
 
+from pathlib import Path
+
 import jsonschema
 import pytest
 import yaml
 
-from abradem.config import ConfigError, load_config, schema
-from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
+from abradem.config import ConfigError, load_config, read_config, schema
+from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, preset
+from abradem.quantities import quantity
 
+ROOT = Path(__file__).parents[2]
 SCHEMA = jsonschema.Draft202012Validator(schema())
 
 
@@ -94,3 +98,12 @@ def test_the_resolved_configuration_holds_numbers_alone():
 
     config = load_config({"study": "a", "sampling": {"ranges": {"plate_angle": "45°"}}})
     assert yaml.safe_load(to_yaml(config))["sampling"]["ranges"]["plate_angle"] == [45.0, 45.0]
+
+
+@pytest.mark.parametrize("particle", PARTICLE_MATERIALS)
+def test_the_study_of_materials_holds_every_preset_in_its_ranges(particle):
+    ranges = read_config(ROOT / "config.yaml", ROOT / "studies/materials.yaml").sampling.ranges
+    for name, value in preset(particle).items():
+        row = quantity(name)
+        low, high = (end * row.config_factor for end in getattr(ranges, row.config_key))
+        assert low <= value <= high, name

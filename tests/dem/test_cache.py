@@ -46,3 +46,15 @@ def test_an_edited_callee_in_another_file_is_really_used(tmp_path):
     assert len(list(cache.glob("kernels-*"))) == compiled + 1
     source.write_text(text)
     assert answer(tmp_path, cache) == "True"
+
+
+def test_another_clone_of_the_same_engine_compiles_nothing(tmp_path):
+    """Neither the path of the sources nor their times matter."""
+    cache, first, second = (tmp_path / name for name in ("cache", "first", "second"))
+    for clone in (first, second):
+        shutil.copytree(Path(abradem.__file__).parent, clone / "abradem", copy_function=shutil.copy)
+    assert answer(first, cache) == "True"
+    made = {path: path.stat().st_mtime_ns for path in cache.rglob("*.nb*")}
+    assert made and len({path.parent for path in made}) == 1
+    assert answer(second, cache) == "True"
+    assert {path: path.stat().st_mtime_ns for path in cache.rglob("*.nb*")} == made

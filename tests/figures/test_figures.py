@@ -92,7 +92,7 @@ def test_wear_maps_show_every_facet_on_the_plate_with_a_bar_in_mm_per_s(dozen):
     _, maps, runs, cases = dozen
     facets, panels = depth_rate_maps(maps, runs, cases, SETUP, [0, 3, 7, 8], "total")
     figure = map_figures.wear_maps_figure(facets, panels, MEAN)
-    drawn = [panel for panel in figure.axes if panel.get_xlabel() == "$x$ (mm)"]
+    drawn = [panel for panel in figure.axes if panel.get_xlabel() == "Up the slope (mm)"]
     assert len(drawn) == 4
     for panel, key in zip(drawn, (0, 3, 7, 8), strict=True):
         (mesh,) = panel.collections
@@ -132,7 +132,7 @@ def test_series_maps_and_quality_follow_the_target(dozen, name):
     }
     words = {key: texts(figure).replace("\n", " ") for key, figure in figures.items()}
     assert f"wear measure: {said.measure};" in words["series"]
-    assert f"wear measure: {said.measure};" in words["maps"]
+    assert f"Wear measure: {said.measure};" in words["maps"]
     assert said.place in words["quality"]
     share = {"total": 1.0, "sliding": 0.4, "friction": 0.5}[said.measure]
     curve = figures["series"].axes[0].lines[0].get_ydata()

@@ -220,7 +220,7 @@ def test_curves_by_angle_carry_their_angles_and_share_the_axis():
             )
             rates.append({"varied": varied, "angle": angle, "rate": slope, "rate_stderr": 1e-6})
     figure = angles_figure(pd.concat(curves), pd.DataFrame(rates), CASE, 5.0, "sliding")
-    assert "wear measure: sliding" in texts(figure)
+    assert "Wear measure: sliding" in texts(figure)
     left, right = figure.axes[:2]
     assert len(left.lines) == 3 and len(right.lines) == 2
     assert left.get_ylim() == right.get_ylim()
@@ -291,7 +291,7 @@ def test_the_gallery_labels_every_map():
     facets, panels = depth_rate_maps(maps, runs, cases, SETUP, list(chosen["case_id"]), "friction")
     over = ("plate_angle", "particle_velocity_y", "friction")
     figure = gallery_figure(facets, panels, chosen, *over)
-    assert "wear measure: friction" in texts(figure)
+    assert "Wear measure: friction" in texts(figure)
     shown = [panel for panel in figure.axes if panel.get_xlabel().endswith("mm/s")]
     assert len(shown) == len(chosen)
     assert all("°" in panel.get_title() and "m/s" in panel.get_title() for panel in shown)
@@ -423,7 +423,8 @@ def test_frames_of_the_film_share_one_scale_and_the_wear_grows():
 
 ROOT = Path(__file__).parents[2]
 RULES = "".join(
-    (ROOT / "workflow" / "rules" / f"{name}.smk").read_text() for name in ("figures", "calibration")
+    (ROOT / "workflow" / "rules" / f"{name}.smk").read_text()
+    for name in ("figures", "calibration", "geometry")
 )
 
 

@@ -5,7 +5,7 @@ import pytest
 from figure_checks import assert_fit_to_print, texts
 from tables import product_law
 
-from abradem.figures.physical import models_figure
+from abradem.figures.physical import models_figure, power_law_figure
 from abradem.figures.reach import reach_figure
 from abradem.figures.sensitivity import sensitivity_figure
 from abradem.learning.comparison import compare, with_scale
@@ -33,11 +33,12 @@ def figures(rows):
     comparison = compare(results.scores, with_scale(results.predictions, frame, JET), draws=100)
     curve = learning_curve(given, two, repeats=2)
     for noise in (NOISE, None, {**NOISE, "r2_floor": None}):
-        yield models_figure(comparison, calibration, curve, indices, exponents, noise, "t")
+        yield models_figure(comparison, calibration, curve, noise, "t")
     yield sensitivity_figure(
         indices, permutation(given, repeats=1), partial_dependence(process, given), "t"
     )
     yield reach_figure(extrapolate(given, two), all_targets(frame, JET, two, repeats=2), "t")
+    yield power_law_figure(exponents, "t")
 
 
 @pytest.fixture(scope="module", params=[90, 12])
@@ -51,7 +52,7 @@ def test_the_figures_are_fit_to_print(drawn):
 
 
 def test_every_model_and_every_quantity_is_named(drawn):
-    page, _, _, sensitivity, _ = drawn
+    page, _, _, sensitivity, *_ = drawn
     words = texts(page)
     for name in ("power law", "network ensemble", "boosting", "Gaussian process", "noise floor"):
         assert name in words

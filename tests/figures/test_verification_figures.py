@@ -34,6 +34,13 @@ def test_forces_draws_one_panel_for_each_impact():
     assert len(figure.axes) == len(reference.groupby(["code", "variant", "angle"]))
 
 
+def test_the_chute_has_a_panel_for_each_code():
+    reference = codes.read(DATA / "chutes.csv").rename(columns={"value": "reference"})
+    table = reference.assign(ours=reference["reference"], spread=0.01)
+    figure = FIGURES["chute"](table)
+    assert [panel.get_title(loc="left") for panel in figure.axes] == list(table["code"].unique())
+
+
 @pytest.mark.parametrize("number", [4, 5])
 def test_chung_ooi_has_the_exact_branch(number):
     tests = chung_ooi.oblique_test() if number == 4 else chung_ooi.plane_tests()

@@ -512,6 +512,7 @@ def test_a_report_is_made_again_by_its_own_command(study, capsys):
     assert code == 1
     assert lines[0].endswith(
         "; snakemake --configfile results/a/config.yaml --report results/a/report.html"
+        " --report-stylesheet workflow/report/report.css"
     )
 
 

@@ -11,7 +11,7 @@ from abradem.config.declaration import Simulation
 from abradem.dem.model import Setup
 from abradem.quantities import WEAR_MEASURES
 from abradem.store.tables import read_table, read_units
-from abradem.verification import codes, laws, time_step
+from abradem.verification import chutes, codes, laws, time_step
 from abradem.verification.checks import FAILS, HOLDS, Check, checks_table, write
 from abradem.verification.results_page import (
     HEAD,
@@ -65,6 +65,15 @@ def test_a_jet_gives_the_plate_the_impulse_of_another_code():
     kratos = reference[reference["code"].str.startswith("Kratos")].iloc[0]
     normal, _ = codes.our_jet(kratos["code"], kratos["variant"])
     assert normal == pytest.approx(kratos["normal_impulse"], rel=codes.ALLOWED)
+
+
+def test_a_chute_gets_the_impulse_and_the_profile_of_other_codes():
+    reference = codes.read(CODES / "chutes.csv")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(chutes, "_NUDGES", chutes._NUDGES[:2])
+        found = chutes.chute_checks(chutes.compare_chutes(reference))
+    assert [check.law for check in found if not check.holds] == []
+    assert {check.law.split()[0] for check in found} <= {"LIGGGHTS", "Kratos"}
 
 
 def test_the_verified_steps_are_those_of_the_engine_and_of_the_default_study():

@@ -238,3 +238,17 @@ def test_the_pages_of_the_report_show_names_of_files_as_they_are(page, text):
         pytest.fail(f"{error}\n{source}")
     assert line(text) in line(tree.astext())
     assert not list(tree.findall(docutils.nodes.reference))
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        (r"$R^2$ of $\ln y$, $v_y$ = −3 m/s", "R² of ln y, v_y = −3 m/s"),
+        (r"$p < 10^{-4}$; $\varphi$ = 45°", "p < 10⁻⁴; φ = 45°"),
+        (r"5.05 $\times 10^{-9}$ 1/Pa,  $\dot h$ and $G^*$", "5.05 × 10⁻⁹ 1/Pa, ḣ and G*"),
+        (r"costs \$5 $\mathrm{mm}$", "costs $5 mm"),
+        ("no formula, 20 % of_it", "no formula, 20 % of_it"),
+    ],
+)
+def test_formulas_of_figures_are_unicode_in_plain_text(text, plain):
+    assert escaping.from_mathtext(text) == plain

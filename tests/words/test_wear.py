@@ -32,6 +32,12 @@ def test_other_columns_are_no_wear_rate():
         wear_parts("wear_total")
 
 
+def test_a_rate_whose_meaning_is_not_known_is_not_named():
+    said = WearTarget("wear_total_mean", None, known=False)
+    for words in (said.place, said.words, said.explained, wear_words(said.name, known=False)):
+        assert "table" in words and "total" not in words and "mean" not in words.split(" (")[0]
+
+
 def test_every_wear_rate_is_the_target_of_the_table_of_quantities():
     for name in WEAR_COLUMNS:
         row = quantity(name)
@@ -41,13 +47,16 @@ def test_every_wear_rate_is_the_target_of_the_table_of_quantities():
 @pytest.mark.parametrize(
     ("values", "expected"),
     [
-        ({}, ("wear_friction_p99", 0.03)),
+        ({}, ("wear_friction_p99", 0.03, True)),
         ({"learning": {"target": "wear_total_mean"}, "wear_rate": {"element_size_mm": None}},
-         ("wear_total_mean", 0.01)),
+         ("wear_total_mean", 0.01, True)),
         ({"learning": {"target": "wear_friction_p99"}, "wear_rate": {"element_size_mm": 30}},
-         ("wear_friction_p99", 0.03)),
+         ("wear_friction_p99", 0.03, True)),
         ({"learning": {"target": "wear_total_max"}, "dataset": {"external": "t.csv"}},
-         ("wear_total_max", None)),
+         ("wear_total_max", None, False)),
+        ({"learning": {"target": "wear_total_max"},
+          "dataset": {"external": "t.csv", "rate": "stated"}},
+         ("wear_total_max", None, True)),
     ],
 )  # fmt: skip
 def test_the_target_of_a_configuration(values, expected):

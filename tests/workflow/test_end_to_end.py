@@ -21,7 +21,7 @@ import yaml
 from latex_checks import assert_agree, at_source, is_number, macros, rows
 from tables import product_law
 
-from abradem.figures.catalogue import CALIBRATION
+from abradem.figures.catalogue import CALIBRATION, SURFACE
 from abradem.figures.catalogue import FIGURES as CATALOGUE
 from abradem.quantities import SAMPLED_NAMES
 from abradem.report import latex
@@ -44,8 +44,9 @@ OF_LINEAR = each("figure_coefficients", "figure_residuals", "figure_predicted_li
 OF_PCA = each("figure_correlations", "figure_loadings", "figure_components")
 OF_TREES = each("figure_tree", "figure_tree_depth")
 OF_GA_ANN = each("figure_ga_ann", "figure_architecture")
-OF_COMPARISON = each("figure_comparison", "figure_predictions")
-OF_PHYSICAL = each("figure_models", "figure_sensitivity", "figure_reach")
+# The overview shows the figure of the comparison.
+OF_COMPARISON = each("figure_comparison", "figure_predictions", "overview")
+OF_PHYSICAL = each("figure_models", "figure_power_law", "figure_sensitivity", "figure_reach")
 OF_LEARNING = {
     **OF_LINEAR, **OF_PCA, **OF_TREES, **OF_GA_ANN, **OF_COMPARISON, **OF_PHYSICAL,
     **each("figure_penalised", "figure_selection", "figure_distributions"),
@@ -62,15 +63,19 @@ AFTER_SCORES = {
     **each("scores", "figure_models", "figure_distributions", "summary", "latex", "findings"),
     **OF_COMPARISON, "table": 4,
 }  # fmt: skip
-PHYSICAL = each("fit_physical", "intervals", "surrogate", "sensitivity", "reach", "findings")
+PHYSICAL = each(
+    "fit_physical", "intervals", "local_wear", "surrogate", "sensitivity", "reach", "findings",
+)  # fmt: skip
 TRAINING = {
     **each("linear", "penalised", "pca", "selection", "trees"), "ga_ann": 2, **PHYSICAL,
 }  # fmt: skip
 LEARNING = {
-    **TRAINING, **OF_LEARNING, **each("scores", "exponents", "summary", "latex"), "table": 15,
+    **TRAINING, **OF_LEARNING,
+    **each("scores", "exponents", "summary", "latex", "model_card", "explorer"), "table": 15,
 }  # fmt: skip
 AFTER_DATASET = {
-    **LEARNING, **each("figure_quality", "noise_floor", "speed_up", "all"), "table": 16,
+    **LEARNING, **each("figure_quality", "noise_floor", "speed_up", "wear_maps", "all"),
+    "table": 17,
 }  # fmt: skip
 AFTER_WEAR_RATES = {**each("failures", "dataset"), **AFTER_DATASET}
 AFTER_SIMULATION = {"wear_rates": BATCHES, **AFTER_WEAR_RATES, **OF_SIMULATIONS}
@@ -250,7 +255,8 @@ def test_each_stage_is_a_target(project, stage):
 
 def test_the_report_holds_all_and_needs_no_network(project):
     report = project.results / "report.html"
-    made = project.snakemake("--report", str(report))
+    sheet = "workflow/report/report.css"
+    made = project.snakemake("--report", str(report), "--report-stylesheet", sheet)
     assert made.returncode == 0, made.stdout
     assert "WARNING" not in made.stdout
     html = report.read_text(encoding="utf-8")
@@ -263,19 +269,23 @@ def test_the_report_holds_all_and_needs_no_network(project):
     for name in (
         "dataset.parquet",
         "linear.json",
-        "scores.csv",
-        "beside_paper.csv",
-        "failures.csv",
+        "tables/dataset.html",
+        "tables/scores.html",
+        "tables/beside_paper.html",
+        "tables/failures.html",
     ):
         assert name in html
-    assert "12 parameter sets" in html
+    assert "12 of 12" in html and "cases gave no rate" in html
+    # Captions are texts of the report, not of the pictures.
+    assert "central share of the repeated splits" in html
     assert not re.search(r'<(script|link|img)[^>]+(src|href)="https?:', html)
     assert project.pending() == {}
 
 
 def test_every_figure_of_the_list_is_there_in_every_format(project):
-    # A study shows two figures if their results exist, and a calibration has its own.
-    names = {name for name, entry in CATALOGUE.items() if entry.group != CALIBRATION}
+    # A study shows two figures if their results exist, a calibration and a geometry their own.
+    own = (CALIBRATION, SURFACE)
+    names = {name for name, entry in CATALOGUE.items() if entry.group not in own}
     names -= {"verification", "speed"}
     for suffix in ("png", "pdf"):
         found = {path.stem for path in (project.results / "figures").glob(f"*.{suffix}")}
@@ -313,7 +323,7 @@ def test_files_for_paraview_are_made_on_demand(project):
 # Jobs that rerun after an edit of the code
 
 
-WORDS = {**FIGURES, **each("latex", "findings", "summary")}
+WORDS = {**FIGURES, **each("latex", "findings", "summary", "model_card", "explorer")}
 """What shows labels of quantities, groups, models or protocols."""
 
 SOURCES = "src/abradem"
@@ -338,7 +348,10 @@ SOURCES = "src/abradem"
         ("workflow/scripts/figures/figure.py", FIGURES),
         (f"{SOURCES}/report/latex.py", each("latex")),
         (f"{SOURCES}/report/findings.py", each("findings")),
-        (f"{SOURCES}/report/summary.py", each("summary", "latex")),
+        (f"{SOURCES}/report/model_card.py", each("model_card")),
+        (f"{SOURCES}/report/summary.py", each("summary", "latex", "overview")),
+        (f"{SOURCES}/report/explorer.py", each("explorer")),
+        (f"{SOURCES}/learning/physical/wear_maps.py", each("wear_maps", "explorer")),
         # Models.
         (f"{SOURCES}/learning/baselines/linear.py", {
             **AFTER_SCORES, "linear": 1, **OF_LINEAR, "table": 6,
@@ -347,7 +360,7 @@ SOURCES = "src/abradem"
         (f"{SOURCES}/learning/baselines/genetic.py", {**AFTER_SCORES, "ga_ann": 2, **OF_GA_ANN}),
         (f"{SOURCES}/learning/comparison.py", AFTER_SCORES),
         (f"{SOURCES}/learning/physical/noise_floor.py", {
-            **each("noise_floor", "findings", "figure_models"),
+            **each("noise_floor", "findings", "figure_models", "overview"),
         }),
         # Data.
         (f"{SOURCES}/dataset/features.py", AFTER_WEAR_RATES),
@@ -369,7 +382,7 @@ SOURCES = "src/abradem"
         (f"{SOURCES}/elastic.py", {**ALL_OF_SIMULATION, "figure_rules": 1}),
         (f"{SOURCES}/quantities.py", {**EVERYTHING, "rule_graph": 0}),
         # Storage, configuration and support for running.
-        ("workflow/scripts/report/table.py", {"table": 16}),
+        ("workflow/scripts/report/table.py", {"table": 17}),
         (f"{SOURCES}/store/columns.py", {}),
         (f"{SOURCES}/store/files.py", {}),
         (f"{SOURCES}/store/tables.py", {}),
@@ -456,11 +469,11 @@ def test_an_edited_contact_kernel_is_what_the_simulations_then_use(project):
             **{k: v for k, v in AFTER_SIMULATION.items() if k not in OF_SIMULATIONS},
             "replicates": 4,
         }),
-        ({"wear_rate": {"good_r2": 0.9}}, {"figure_quality": 1, "summary": 1, "latex": 1}),
+        ({"wear_rate": {"good_r2": 0.9}}, each("figure_quality", "summary", "latex", "overview")),
         ({"features": {"damping_coefficient": "printed"}}, {
-            "dataset": 1, **AFTER_DATASET, "table": 15,
+            "dataset": 1, **AFTER_DATASET, "table": 16,
         }),
-        ({"simulation": {"max_failed_share": 0.5}}, {"dataset": 1, **AFTER_DATASET, "table": 15}),
+        ({"simulation": {"max_failed_share": 0.5}}, {"dataset": 1, **AFTER_DATASET, "table": 16}),
         ({"learning": {"trees": {"forest_trees": 9}}}, {
             **AFTER_SCORES, "trees": 1, **OF_TREES,
         }),
@@ -518,6 +531,7 @@ def test_an_external_table_is_learned_from_and_nothing_is_simulated(project):
     pending = project.pending(overlays=overlays)
     assert pending == {
         "dataset": 1, "provenance": 1, "all": 1, "rule_graph": 1, **OF_CHARTS, **LEARNING,
+        "table": 16,
     }  # fmt: skip
     assert project.run("dataset", overlays=overlays) == {"dataset": 1}
     found = read_table(project.root / "results" / "elsewhere" / "dataset.parquet")
@@ -676,6 +690,7 @@ def test_models_killed_in_their_training_and_trained_on_one_core_are_the_same(pr
     before = content()
     again = [
         "linear", "penalised", "pca", "trees", "ga_ann", "fit_physical", "intervals", "surrogate",
+        "wear_maps",
     ]  # fmt: skip
     with subprocess.Popen(
         project.command("learning", "--forcerun", *again, "--cores", "2"),

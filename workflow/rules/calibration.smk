@@ -175,12 +175,14 @@ rule best_trial:
 
 
 rule trial_table:
-    """The table of trials as text, for the report."""
+    """The table of trials as text, and as a page for the report."""
     input:
-        rules.best_trial.output.trials,
+        table=rules.best_trial.output.trials,
+        template=TABLE_PAGE,
     output:
-        report(
-            f"{FOUND}/trials.csv",
+        text=f"{FOUND}/trials.csv",
+        page=report(
+            f"{FOUND}/trials.html",
             caption="../report/table.rst",
             category="Calibration",
             labels={"table": "trials"},
@@ -208,7 +210,7 @@ rule calibration_page:
             f"{FOUND}/calibration.html",
             caption="../report/calibration.rst",
             category="Calibration",
-            labels={"table": "calibration in words"},
+            labels={"table": "calibration"},
         ),
         best=f"{FOUND}/best.yaml",
     log:

@@ -7,18 +7,24 @@ from pathlib import Path
 
 from abradem.config import (
     ConfigError,
+    geometry_ranges,
     load_config,
     read_config,
     sampled_ranges,
     rate_options,
     setup_dict,
     target_dict,
+    jet_is_known,
     to_yaml,
     typical_case,
 )
+from abradem.config.materials import PARTICLE_MATERIALS, preset
 from abradem.dataset.variation import nothing_varies
-from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS
+from abradem.figures.captions import caption_in_rst
+from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS, SURFACE
+from abradem.publish.description import LICENCE
 from abradem.quantities import wear_parts
+from abradem.report.explorer_parts import FILES as EXPLORER_FILES
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
 from abradem.running.memory import killed_for_memory, memory_kills
@@ -86,6 +92,10 @@ SIMULATED = CONFIG.dataset.external is None
 # True if the study is a search for the set-up that explains a table.
 CALIBRATES = CONFIG.calibration.table is not None
 
+# True if the particles wear another surface than the plate: models and the figures of the plate
+# are left out, and geometry.smk adds its own results.
+WEARS_SURFACE = SIMULATED and CONFIG.simulation.geometry.kind != "plate"
+
 # Why nothing can be learned, or "". The data set alone can still be made: it holds repetitions of
 # one case.
 NOTHING_VARIES = (
@@ -141,6 +151,7 @@ def seconds_of_batches(block):
         CONFIG.sampling.cases_per_block,
         CONFIG.sampling.method,
         sampled_ranges(CONFIG),
+        geometry=geometry_ranges(CONFIG),
     )
     return batch_seconds(drawn, SETUP, BATCHES)
 
@@ -187,6 +198,9 @@ def beside(output, name):
     return str(Path(output).parents[1] / name)
 
 
+# The page of a table in the report, without the table.
+TABLE_PAGE = file_of_workflow("workflow/report/table.html")
+
 VERIFICATION_CHECKS = Path("results/verification/checks.parquet")
 VERIFICATION_MADE = VERIFICATION_CHECKS.is_file()
 # Written by benchmarks/cost.py.
@@ -206,12 +220,16 @@ def module_of(name):
 def is_made(name):
     """Whether a figure is made: some need simulations or results of other studies."""
     needs = {"verification": VERIFICATION_MADE, "speed": SPEED_MADE}
-    if FIGURES[name].group == CALIBRATION:
-        # Another kind of study makes these, see calibration.smk.
+    if FIGURES[name].group in (CALIBRATION, SURFACE):
+        # Other kinds of studies make these, see calibration.smk and geometry.smk.
         return False
     return needs.get(name, SIMULATED or FIGURES[name].group != SIMULATIONS) and (
         SIMULATED or name != "setup"
     )
+
+
+# Names of the formats in the report, which shows the first one by the alphabet.
+REPORT_FORMATS = {"png": "image", "pdf": "print (PDF)"}
 
 
 def figure_file(name, suffix):
@@ -222,7 +240,7 @@ def figure_file(name, suffix):
         caption="../report/caption.rst",
         category="Figures",
         subcategory=entry.group,
-        labels={"figure": entry.label, "format": suffix},
+        labels={"figure": name, "format": REPORT_FORMATS.get(suffix, suffix)},
     )
 
 
@@ -247,7 +265,7 @@ def latex_file(name):
         f"{RESULTS}/latex/{name}.tex",
         caption="../report/latex.rst",
         category="LaTeX",
-        labels={"file": name},
+        labels={"file": f"{name}.tex"},
     )
 
 
@@ -287,7 +305,7 @@ def not_ready(jobs):
     rules = {job.rule.name for job in jobs}
     stages = {Path(str(job.rule.snakefile)).stem for job in jobs}
     problems = []
-    if SIMULATED and not CALIBRATES:
+    if SIMULATED and not CALIBRATES and not WEARS_SURFACE:
         cases = [
             int(job.wildcards.case) for job in jobs if hasattr(job.wildcards, "case")
         ]
@@ -381,8 +399,11 @@ MONITOR = Monitor(Path(RESULTS, ".finished"))
 
 # Content of the overview of the report, available once the results exist. Its texts are escaped, as
 # templates put them into reStructuredText.
+OVERVIEW = Path(RESULTS, "overview.html")
 SUMMARY = Path(RESULTS, "summary.json")
 VERSIONS = Path(RESULTS, "versions.json")
+config["caption_of"] = caption_in_rst
+config["overview"] = str(OVERVIEW) if OVERVIEW.is_file() else ""
 config["summary"] = data_for_rst(read_if_sound(SUMMARY))
 config["recorded"] = data_for_rst(read_if_sound(VERSIONS))
 config["run_times"] = data_for_rst(run_times(Path(RESULTS, "benchmarks")))

@@ -36,7 +36,7 @@ rule dataset:
             f"{RESULTS}/dataset.parquet",
             caption="../report/dataset.rst",
             category="Data",
-            labels={"table": "data set"},
+            labels={"file": "dataset.parquet"},
         ),
     log:
         f"{LOGS}/dataset.log",

@@ -16,7 +16,7 @@ rule dataset:
             f"{RESULTS}/dataset.parquet",
             caption="../report/external.rst",
             category="Data",
-            labels={"table": "data set"},
+            labels={"file": "dataset.parquet"},
         ),
     log:
         f"{LOGS}/dataset.log",

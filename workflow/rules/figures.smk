@@ -202,7 +202,7 @@ rule figure_coefficients:
         "../envs/abradem.yaml"
     params:
         **drawn_as("coefficients"),
-        options={"element_size": TARGET["element_size"]},
+        options={name: TARGET[name] for name in ("element_size", "known")},
     script:
         "../scripts/figures/figure.py"
 
@@ -220,7 +220,7 @@ rule figure_predicted_linear:
         "../envs/abradem.yaml"
     params:
         **drawn_as("predicted_linear"),
-        options={"element_size": TARGET["element_size"]},
+        options={name: TARGET[name] for name in ("element_size", "known")},
     script:
         "../scripts/figures/figure.py"
 
@@ -433,8 +433,6 @@ rule figure_models:
         comparison=rules.scores.output.comparison,
         calibration=rules.intervals.output.calibration,
         curve=rules.reach.output.curve,
-        indices=rules.sensitivity.output.indices,
-        exponents=rules.fit_physical.output.exponents,
         noise=NOISE_SUMMARY,
     output:
         figure_files("models"),
@@ -444,6 +442,23 @@ rule figure_models:
         "../envs/abradem.yaml"
     params:
         **drawn_as("models"),
+        options={"table": CONFIG.study},
+    script:
+        "../scripts/figures/figure.py"
+
+
+rule figure_power_law:
+    """Exponents and equation of the power law."""
+    input:
+        exponents=rules.fit_physical.output.exponents,
+    output:
+        figure_files("power_law"),
+    log:
+        f"{LOGS}/figure_power_law.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **drawn_as("power_law"),
         options={"table": CONFIG.study},
     script:
         "../scripts/figures/figure.py"

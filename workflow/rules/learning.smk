@@ -13,6 +13,7 @@ LEARNERS = {
     "surrogate",
     "sensitivity",
     "reach",
+    "wear_maps",
 }
 
 

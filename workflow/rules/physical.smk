@@ -15,6 +15,7 @@ JET = {
         "patch_width",
     )
 }
+DISTILLED = SURROGATE.model_dump(include={"points", "hidden", "epochs"})
 FAMILIES = {
     "boosting": {"trees": PHYSICAL.boosting_trees, "depth": PHYSICAL.boosting_depth},
     "networks": {"members": PHYSICAL.networks, "steps": PHYSICAL.network_steps},
@@ -38,6 +39,7 @@ rule physical:
         f"{RESULTS}/models/surrogate.json",
         f"{RESULTS}/learning/physical.json",
         f"{RESULTS}/learning/targets.parquet",
+        f"{RESULTS}/models/wear_maps.json" if SIMULATED else [],
         FRESH_COVERAGE,
 
 
@@ -60,10 +62,7 @@ rule fit_physical:
             f"{RESULTS}/learning/physical.json",
             caption="../report/physical.rst",
             category="Models",
-            labels={
-                "model": "on dimensionless groups",
-                "content": "power law, scores",
-            },
+            labels={"file": "physical.json", "content": "power law, scores"},
         ),
         process=f"{RESULTS}/models/gaussian_process.json",
         process_arrays=f"{RESULTS}/models/gaussian_process.safetensors",
@@ -109,6 +108,34 @@ rule intervals:
         "../scripts/physical/intervals.py"
 
 
+rule local_wear:
+    """Models of the wear at other places of the plate, for the surrogate."""
+    input:
+        rules.dataset.output,
+    output:
+        local=f"{RESULTS}/learning/local_wear.json",
+        local_arrays=f"{RESULTS}/learning/local_wear.safetensors",
+    log:
+        f"{LOGS}/local_wear.log",
+    conda:
+        "../envs/abradem.yaml"
+    resources:
+        mem_mb=growing(LEARNING_MB),
+        runtime=growing(LEARNING_MINUTES),
+    params:
+        setup=JET,
+        table=LEARNED_FROM,
+        settings=DISTILLED,
+        options={
+            "fold_count": PHYSICAL.interval_folds,
+            "seed": CONFIG.seed,
+            "element_size": TARGET["element_size"],
+        },
+        code=code_of("physical/local_wear"),
+    script:
+        "../scripts/physical/local_wear.py"
+
+
 rule surrogate:
     """The surrogate for `abradem predict`, and its scores."""
     input:
@@ -116,12 +143,14 @@ rule surrogate:
         process=rules.fit_physical.output.process_arrays,
         intervals=rules.intervals.output.summary,
         errors=rules.intervals.output.scores,
+        local=rules.local_wear.output.local,
+        local_arrays=rules.local_wear.output.local_arrays,
     output:
         model=report(
             f"{RESULTS}/models/surrogate.json",
             caption="../report/surrogate.rst",
             category="Models",
-            labels={"model": "surrogate", "content": "of abradem predict"},
+            labels={"file": "surrogate.json", "content": "of abradem predict"},
         ),
         model_arrays=f"{RESULTS}/models/surrogate.safetensors",
         scores=f"{RESULTS}/learning/surrogate_scores.parquet",
@@ -136,13 +165,14 @@ rule surrogate:
     params:
         setup=JET,
         table=LEARNED_FROM,
-        settings=SURROGATE.model_dump(include={"points", "hidden", "epochs"}),
+        settings=DISTILLED,
         splits=SPLITS,
         options={
             "confidence": LEARNING.confidence,
             "seed": CONFIG.seed,
             "element_size": TARGET["element_size"],
         },
+        meaning={"jet_known": jet_is_known(CONFIG), "target_known": TARGET["known"]},
         code=code_of("physical/surrogate"),
     script:
         "../scripts/physical/surrogate.py"
@@ -215,6 +245,36 @@ rule reach:
 
 if SIMULATED:
 
+    rule wear_maps:
+        """The map surrogate, for `abradem predict --map` and the explorer, and its scores."""
+        input:
+            dataset=rules.dataset.output[0],
+            # As paths: Snakemake would hash a named list of outputs once for each of its files.
+            maps=batch_paths(f"{RESULTS}/maps/block-{{block}}-batch-{{batch}}.parquet"),
+            runs=RUNS,
+        output:
+            model=f"{RESULTS}/models/wear_maps.json",
+            model_arrays=f"{RESULTS}/models/wear_maps.safetensors",
+            scores=f"{RESULTS}/learning/map_scores.parquet",
+        log:
+            f"{LOGS}/wear_maps.log",
+        conda:
+            "../envs/abradem.yaml"
+        resources:
+            mem_mb=growing(LEARNING_MB),
+            runtime=growing(LEARNING_MINUTES),
+        params:
+            setup=SETUP,
+            table=LEARNED_FROM,
+            elements={
+                "measure": MEASURE,
+                "element_size": rate_options(CONFIG)["element_size"],
+            },
+            options={**SPLITS, "confidence": LEARNING.confidence},
+            code=code_of("physical/wear_maps"),
+        script:
+            "../scripts/physical/wear_maps.py"
+
     rule noise_floor:
         """The largest R2 that any model could reach."""
         input:
@@ -245,7 +305,7 @@ if SIMULATED:
                 f"{RESULTS}/learning/speed_up.json",
                 caption="../report/speed_up.rst",
                 category="Models",
-                labels={"model": "surrogate", "content": "speed"},
+                labels={"file": "speed_up.json", "content": "speed of the surrogate"},
             ),
         log:
             f"{LOGS}/speed_up.log",

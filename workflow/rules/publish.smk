@@ -19,7 +19,7 @@ rule published_folder:
         rules.provenance.output,
         rules.summary.output,
         rules.figures.input,
-        expand(rules.table.output, table=TABLE_FILES),
+        expand(rules.table.output.text, table=TABLE_FILES),
         rules.linear.output,
         rules.penalised.output,
         rules.pca.output,
@@ -33,8 +33,10 @@ rule published_folder:
         rules.surrogate.output,
         rules.sensitivity.output,
         rules.reach.output,
+        rules.wear_maps.output,
         rules.noise_floor.output,
         rules.findings.output,
+        rules.model_card.output,
         (
             [
                 *batch_paths(rules.simulate.output.series),

@@ -3,9 +3,9 @@ if not IN_MODULE:
     report: "../report/workflow.rst"
 
 
-# Tables that the report contains as text, see abradem.report.tables. The Parquet files are the
-# data.
+# Tables that the report shows, see abradem.report.tables. The Parquet files are the data.
 TABLE_FILES = {
+    "dataset": rules.dataset.output[0],
     "linear_coefficients": rules.linear.output.coefficients,
     "linear_published": rules.linear.output.published,
     "penalised_weights": rules.penalised.output.weights,
@@ -22,7 +22,7 @@ TABLE_FILES = {
     "calibration": rules.intervals.output.calibration,
     "coverage": rules.intervals.output.regions,
     **({"fresh_coverage": rules.fresh_coverage.output.coverage} if TESTED_WITH else {}),
-    **({"failures": rules.failures.output} if SIMULATED else {}),
+    **({"failures": rules.failures.output[0]} if SIMULATED else {}),
 }
 
 
@@ -57,23 +57,27 @@ localrules:
 
 
 rule documents:
-    """Target: tables, findings, numbers for LaTeX, configuration and versions."""
+    """Target: overview, tables, findings, numbers for LaTeX, configuration and versions."""
     input:
+        f"{RESULTS}/overview.html",
         expand(f"{RESULTS}/tables/{{table}}.csv", table=TABLE_FILES),
-        f"{RESULTS}/summary.json",
         f"{RESULTS}/models/findings.html",
+        f"{RESULTS}/models/model_card.html",
+        f"{RESULTS}/explorer.html",
         f"{RESULTS}/config.yaml",
         f"{RESULTS}/versions.json",
         expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
 
 
 rule table:
-    """A table as text, for the report."""
+    """A table as text, and as a page for the report."""
     input:
-        lambda wildcards: TABLE_FILES[wildcards.table],
+        table=lambda wildcards: TABLE_FILES[wildcards.table],
+        template=TABLE_PAGE,
     output:
-        report(
-            f"{RESULTS}/tables/{{table}}.csv",
+        text=f"{RESULTS}/tables/{{table}}.csv",
+        page=report(
+            f"{RESULTS}/tables/{{table}}.html",
             caption="../report/table.rst",
             category="Tables",
             labels={"table": "{table}"},
@@ -114,6 +118,27 @@ rule summary:
         "../scripts/report/summary.py"
 
 
+rule overview:
+    """The first screen of the report, also a page of its own."""
+    input:
+        summary=rules.summary.output[0],
+        comparison=rules.scores.output.comparison,
+        noise=NOISE_SUMMARY,
+        picture=f"{RESULTS}/figures/comparison.png",
+        template=file_of_workflow("workflow/report/overview.html"),
+    output:
+        OVERVIEW,
+    log:
+        f"{LOGS}/overview.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={"study": CONFIG.study, "confidence": LEARNING.confidence},
+        code=code_of("report/overview"),
+    script:
+        "../scripts/report/overview.py"
+
+
 rule findings:
     """Findings of the models as text."""
     input:
@@ -136,7 +161,7 @@ rule findings:
             f"{RESULTS}/models/findings.html",
             caption="../report/findings.rst",
             category="Models",
-            labels={"model": "on dimensionless groups", "content": "findings"},
+            labels={"file": "findings.html", "content": "findings in words"},
         ),
     log:
         f"{LOGS}/findings.log",
@@ -144,10 +169,72 @@ rule findings:
         "../envs/abradem.yaml"
     params:
         table=CONFIG.study,
-        target=TARGET if SIMULATED else None,
+        target=TARGET if TARGET["known"] else None,
         code=code_of("report/findings"),
     script:
         "../scripts/report/findings.py"
+
+
+rule model_card:
+    """Use, jet, targets, ranges, scores and coverage of the surrogate."""
+    input:
+        surrogate=rules.surrogate.output.model,
+        intervals=rules.intervals.output.summary,
+        regions=rules.intervals.output.regions,
+        failures=FAILURES if SIMULATED else [],
+    output:
+        card=f"{RESULTS}/models/model_card.json",
+        page=report(
+            f"{RESULTS}/models/model_card.html",
+            caption="../report/model_card.rst",
+            category="Models",
+            labels={"model": "surrogate", "content": "model card"},
+        ),
+    log:
+        f"{LOGS}/model_card.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        said={
+            "ranges": sampled_ranges(CONFIG) if SIMULATED else None,
+            "software": abradem.__version__,
+            "licence": LICENCE if SIMULATED else None,
+            "confidence": LEARNING.confidence,
+        },
+        code=code_of("report/model_card"),
+    script:
+        "../scripts/report/model_card.py"
+
+
+rule explorer:
+    """The explorer, a page that predicts wear while sliders are moved."""
+    input:
+        dataset=rules.dataset.output[0],
+        model=rules.surrogate.output.model,
+        model_arrays=rules.surrogate.output.model_arrays,
+        maps=rules.wear_maps.output.model if SIMULATED else [],
+        map_arrays=rules.wear_maps.output.model_arrays if SIMULATED else [],
+    output:
+        report(
+            f"{RESULTS}/explorer.html",
+            caption="../report/explorer.rst",
+            category="Models",
+            labels={"model": "surrogate", "content": "explorer"},
+        ),
+    log:
+        f"{LOGS}/explorer.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        options={
+            "study": CONFIG.study,
+            "presets": {name: preset(name) for name in PARTICLE_MATERIALS},
+        },
+        # The parts of the page are no modules.
+        parts=files_hash(*EXPLORER_FILES),
+        code=code_of("report/explorer"),
+    script:
+        "../scripts/report/explorer.py"
 
 
 rule latex:

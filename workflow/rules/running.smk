@@ -42,13 +42,13 @@ rule provenance:
             f"{RESULTS}/config.yaml",
             caption="../report/config.rst",
             category="Provenance",
-            labels={"file": "resolved configuration"},
+            labels={"file": "config.yaml"},
         ),
         versions=report(
             f"{RESULTS}/versions.json",
             caption="../report/versions.rst",
             category="Provenance",
-            labels={"file": "versions and seed"},
+            labels={"file": "versions.json"},
         ),
     log:
         f"{LOGS}/provenance.log",

@@ -27,6 +27,7 @@ rule sample:
             "cases_per_block": CONFIG.sampling.cases_per_block,
             "method": CONFIG.sampling.method,
             "ranges": sampled_ranges(CONFIG),
+            "geometry": geometry_ranges(CONFIG),
         },
         setup=SETUP,
         code=code_of("sampling/sample"),
@@ -44,7 +45,7 @@ rule join_cases:
             CASES,
             caption="../report/cases.rst",
             category="Data",
-            labels={"table": "parameter sets"},
+            labels={"file": "cases.parquet"},
         ),
     log:
         f"{LOGS}/join_cases.log",

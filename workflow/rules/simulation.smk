@@ -3,6 +3,13 @@ TYPICAL = typical_case(CONFIG)
 PICTURED = CONFIG.figures.typical
 FILM = CONFIG.figures.movie
 
+# A geometry may be a file of the user.
+MESH = (
+    [CONFIG.simulation.geometry.mesh.file]
+    if CONFIG.simulation.geometry.kind == "mesh"
+    else []
+)
+
 # For each scene: differences from the typical case, duration (s), time between snapshots (s).
 SCENES = {
     "typical": ({}, PICTURED.duration_s, PICTURED.interval_s),
@@ -35,6 +42,7 @@ rule simulate:
     """The simulations of one batch."""
     input:
         cases=f"{RESULTS}/cases/block-{{block}}.parquet",
+        mesh=MESH,
     output:
         series=f"{RESULTS}/series/block-{{block}}-batch-{{batch}}.parquet",
         maps=f"{RESULTS}/maps/block-{{block}}-batch-{{batch}}.parquet",

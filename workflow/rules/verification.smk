@@ -19,6 +19,7 @@ PARTS = {
     "trends": ["checks", "measurements", "exponents"],
     "facets_and_bed": ["checks", "sizes", "heap"],
     "stop_rule": ["checks", "ended"],
+    "surfaces": ["checks", "chutes"],
 }
 
 # The tables of each figure, in the order of the parameters of its drawing function.
@@ -35,6 +36,7 @@ VERIFICATION_FIGURES = {
     "conveyor": ["conveyor_rates"],
     "trends": ["trends_measurements", "trends_exponents"],
     "heap": ["facets_and_bed_heap"],
+    "chute": ["surfaces_chutes"],
     **{
         f"chung_ooi_{number}": ["chung_ooi_tests", "chung_ooi_measured"]
         for number in range(1, 9)
@@ -204,6 +206,23 @@ rule verification_stop_rule:
         "../envs/abradem.yaml"
     params:
         **part("stop_rule"),
+    script:
+        "../scripts/verification/part.py"
+
+
+rule verification_surfaces:
+    """Triangulated surfaces against the plate, closed forms and other codes."""
+    input:
+        chutes=file_of_workflow("tests/data/codes/chutes.csv"),
+    output:
+        **part_files("surfaces", "parquet"),
+        text=list(part_files("surfaces", "csv").values()),
+    log:
+        f"{VERIFICATION_LOGS}/surfaces.log",
+    conda:
+        "../envs/abradem.yaml"
+    params:
+        **part("surfaces"),
     script:
         "../scripts/verification/part.py"
 

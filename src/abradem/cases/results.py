@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from abradem.dem.model import Case, Setup, SimulationResult
+from abradem.geometry.build import prepared, worn_area
 from abradem.quantities import (
     SAMPLED_NAMES,
     STATISTICS,
@@ -132,17 +133,40 @@ class CaseResult(SimulationResult):
         Raises
         ------
         ValueError
-            If the name is unknown, there is no complete window, or the plate does not consist of
-            such elements.
+            If the name is unknown, there is no complete window, the plate does not consist of
+            such elements, or the set-up has a geometry, which `cells` is for.
         """
         from abradem.wear.rates import element_counts, element_wear
 
         _check_name("measure", measure, WEAR_MEASURES)
+        if self.setup.surface is not None:
+            raise ValueError("a geometry has no facets in rows, see cells")
         self._check_steady()
         counts = element_counts(self.setup, element_size)
         work = element_wear(self.facet_wear[WEAR_MEASURES.index(measure)], counts)
         area = self.setup.plate_area / work.size
         return MM_PER_M * self.case.archard_constant * work / (area * self._window_length())
+
+    def cells(self) -> pd.DataFrame:
+        """Return the wear of the cells of a geometry.
+
+        Returns
+        -------
+        pandas.DataFrame
+            See `abradem.wear.surface_cells.cell_table`.
+
+        Raises
+        ------
+        ValueError
+            For the plate, or if there is no complete window.
+        """
+        from abradem.wear.surface_cells import cell_table
+
+        if self.setup.surface is None:
+            raise ValueError("the plate has facets, see wear_map; cells are those of a geometry")
+        self._check_steady()
+        tables = self._tables()
+        return cell_table(tables["maps"], tables["runs"], self._case_table(), self.setup)
 
     def series(self) -> pd.DataFrame:
         """Return the record over time.
@@ -155,7 +179,7 @@ class CaseResult(SimulationResult):
         """
         import pandas as pd
 
-        per_joule = MM_PER_M * self.case.archard_constant / self.setup.plate_area
+        per_joule = MM_PER_M * self.case.archard_constant / worn_area(self.setup)
         return pd.DataFrame(
             {
                 "time": self.time,
@@ -194,7 +218,7 @@ class CaseResult(SimulationResult):
         return row.merge(rates, on="case_id", how="left").drop(columns="case_id")
 
     def plot_map(self, measure: str = "total") -> Figure:
-        """Draw the wear depth rate of every facet.
+        """Draw the wear depth rate of every facet, or of every cell of a geometry.
 
         Parameters
         ----------
@@ -208,6 +232,10 @@ class CaseResult(SimulationResult):
         from abradem.figures.maps import depth_rate_maps, wear_maps_figure
 
         _check_name("measure", measure, WEAR_MEASURES)
+        if self.setup.surface is not None:
+            from abradem.figures.surface_map import surface_map_figure
+
+            return surface_map_figure(self.setup.surface, self.cells(), measure)
         tables = self._tables()
         found = depth_rate_maps(
             tables["maps"], tables["runs"], self._case_table(), self.setup, [_CASE_ID], measure
@@ -236,9 +264,10 @@ class CaseResult(SimulationResult):
 
     def _titled(self, figure: Figure) -> Figure:
         """Replace the number of the case by its main quantities."""
-        from abradem.figures.style import title_own_case
+        from abradem.figures.style import title_own_case, write_below
 
         title_own_case(figure.axes[0], vars(self.case))
+        write_below(figure, str(figure.get_label()))
         return figure
 
     def _tables(self) -> dict:
@@ -303,6 +332,8 @@ def simulate(
     """
     from abradem.dem import simulate as run_engine
 
+    if setup is not None:
+        setup = prepared(setup, vars(case))
     lines = [impossible(name, getattr(case, name)) for name in SAMPLED_NAMES]
     if problems := [line for line in lines if line]:
         raise ValueError("\n".join(problems))

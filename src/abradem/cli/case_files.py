@@ -8,9 +8,10 @@ from pathlib import Path
 import pandas as pd
 
 from abradem.dem.model import Setup
+from abradem.geometry.build import case_surface, prepared
 from abradem.quantities import WEAR_MEASURES, wear_column
-from abradem.store.columns import COLUMNS, MAP_RATES, Column
-from abradem.store.files import write_csv
+from abradem.store.columns import CELL_TABLE, COLUMNS, MAP_RATES, Column
+from abradem.store.files import write_csv, write_text
 from abradem.store.tables import write_table
 from abradem.words.wear import WearTarget
 
@@ -51,6 +52,37 @@ def write_map(
     write_with_units(frame, path, MAP_RATES)
 
 
+def write_surface_map(
+    tables: Mapping, row: Mapping, setup: Mapping, target: WearTarget, path: Path
+) -> None:
+    """Write the wear depth rate of every cell of a surface in the window, mm/s.
+
+    Parameters
+    ----------
+    tables, row, setup, target
+        As for `write_map`; the set-up has a geometry.
+    path : Path
+        .parquet, .csv, .vtp, .png, .pdf or .svg.
+    """
+    from abradem.wear.surface_cells import cell_table
+
+    built = Setup.from_dict(setup)
+    cells = cell_table(tables["maps"], tables["runs"], pd.DataFrame([row]), built)
+    surface = case_surface(built, row)
+    if path.suffix.lower() == ".vtp":
+        from abradem.report.vtk import surface_vtp
+
+        write_text(surface_vtp(surface, cells), path)
+    elif _is_picture(path):
+        from abradem.figures.style import save
+        from abradem.figures.surface_map import surface_map_figure
+
+        figure = surface_map_figure(surface, cells, target.measure)
+        save(figure, path.with_suffix(""), [path.suffix.lower().removeprefix(".")])
+    else:
+        write_with_units(cells, path, CELL_TABLE)
+
+
 def write_series(
     tables: Mapping, row: Mapping, setup: Mapping, target: WearTarget, path: Path, numbered: bool
 ) -> None:
@@ -70,7 +102,7 @@ def write_series(
         tables["series"],
         tables["runs"],
         pd.DataFrame([row]),
-        Setup.from_dict(setup),
+        prepared(Setup.from_dict(setup), row),
         [row["case_id"]],
         target.measure,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -60,6 +61,18 @@ def add_case_arguments(parser: argparse.ArgumentParser) -> None:
         "be given several times",
     )
     parser.add_argument(
+        "--geometry",
+        type=Path,
+        metavar="FILE",
+        help="mesh that the particles wear, .stl, .obj or .ply; short for --set "
+        "geometry.kind=mesh --set geometry.mesh.file=FILE",
+    )
+    parser.add_argument(
+        "--unit",
+        metavar="UNIT",
+        help="unit of the mesh: mm (default), cm, m or in; short for --set geometry.mesh.unit=UNIT",
+    )
+    parser.add_argument(
         "--duration",
         metavar="VALUE",
         help="simulated time, such as 5s; default: until the wear rate is accurate enough",
@@ -88,7 +101,9 @@ def read_setup(options: argparse.Namespace, problems: list[str]) -> OwnSetup | N
     files = options.config or [path for path in [Path("config.yaml")] if path.is_file()]
     known = load_config({"study": "default"}).model_dump(mode="json")
     entries = [] if files else ["study=default"]
-    for text in options.set:
+    if options.unit is not None and options.geometry is None:
+        problems.append("--unit needs --geometry FILE")
+    for text in [*_mesh_keys(options), *options.set]:
         try:
             entries.append(_entry(text, known))
         except InputError as error:
@@ -117,6 +132,15 @@ def _duration(text: str | None, problems: list[str]) -> float | None:
     except ValueError as error:
         problems.append(f"--duration {text}: {error}")
     return None
+
+
+def _mesh_keys(options: argparse.Namespace) -> list[str]:
+    """Return what --geometry and --unit stand for."""
+    if options.geometry is None:
+        return []
+    name = json.dumps(str(options.geometry))
+    keys = ["simulation.geometry.kind=mesh", f"simulation.geometry.mesh.file={name}"]
+    return keys + ([f"simulation.geometry.mesh.unit={options.unit}"] if options.unit else [])
 
 
 def _entry(text: str, known: Mapping) -> str:
@@ -185,12 +209,14 @@ def say_origins(given: Given, own: OwnSetup, filled: Mapping[str, float]) -> Non
 def load_kernels(stepping: str) -> None:
     """Load the kernels of the engine; say so if they have to be compiled first."""
     from abradem.dem import warm
+    from abradem.dem.cache import is_compiled
 
     begin = time.monotonic()
-    compiles = not warm.is_compiled(stepping)
+    compiles = not is_compiled(stepping)
     if compiles:
         print(
-            "compiling the engine, once for this version of it: half a minute or more",
+            "compiling the engine, once for this version of it on this machine: half a minute or "
+            "more",
             file=sys.stderr,
             flush=True,
         )

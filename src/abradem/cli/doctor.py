@@ -17,6 +17,9 @@ DAMAGED = 1
 MOST_TARGETS = 20
 """Largest number of files that one command names; for more, the command makes the whole study."""
 
+STYLE = "--report-stylesheet workflow/report/report.css"
+"""Option of snakemake for the look of the report, as in `make run`."""
+
 MOST_FOREIGN = 20
 """Largest number of files that no job wrote that are listed."""
 
@@ -135,7 +138,7 @@ def _command(begin: str, place: str, targets: Iterable[str], kept: Iterable[str]
             commands.append(f"{begin} --force {' '.join(forced)}")
     elif others:
         commands.append(f"{begin} --force {' '.join(others)}")
-    commands += [f"{begin} --report {shlex.quote(name)}" for name in reports]
+    commands += [f"{begin} --report {shlex.quote(name)} {STYLE}" for name in reports]
     return " && ".join(commands)
 
 

@@ -261,6 +261,58 @@ def depth_mm(text: str) -> float:
     return depth
 
 
+def hours_of(text: str) -> float:
+    """Return a time in hours of a text such as "1000", "1000h" or "3.6e6 s"."""
+    try:
+        hours = parse_quantity(text, "h")
+    except ValueError as error:
+        raise PredictionError(f"--hours {text}: {error}") from None
+    if not hours > 0.0:
+        raise PredictionError(f"--hours {text}: must be positive")
+    return hours
+
+
+def sought_quantity(option: str, text: str, given: Given) -> tuple[str, tuple[float, float] | None]:
+    """Return the quantity of a text such as "plate_angle" or "plate_angle=20:60deg", and its range.
+
+    Parameters
+    ----------
+    option : str
+        Of the command line, for the messages.
+    text : str
+    given : Given
+        A quantity that is sought may be in its preset, not on the command line.
+
+    Raises
+    ------
+    PredictionError
+        With one line.
+    """
+    word, equals, behind = (part.strip() for part in text.partition("="))
+    known = known_quantity(word, SAMPLED_NAMES)
+    if known is None:
+        raise PredictionError(f"{option} {text}: {_unknown([word])}")
+    name, unit = known
+    if given.origins.get(name) == COMMAND_LINE:
+        raise PredictionError(f"{option} {text}: {name} is also given as a value; leave one out")
+    if not equals:
+        return name, None
+    ends = [end.strip() for end in behind.split(":")]
+    if len(ends) != 2 or not all(ends):
+        raise PredictionError(f"{option} {text}: {behind!r} is not a range FROM:TO")
+    if has_unit(ends[1]) and not has_unit(ends[0]):
+        unit = _unit_behind(ends[1])
+    try:
+        low, high = (parse_value(name, end, unit) for end in ends)
+    except ValueError as error:
+        raise PredictionError(f"{option} {text}: {error}") from None
+    problems = impossible_values({name: (low, high)})
+    if problems or not low < high:
+        reason = problems[0] if problems else f"{low:g} is not below {high:g}"
+        raise PredictionError(f"{option} {text}: {reason}")
+    return name, (low, high)
+
+
 def value_text(name: str, value: float) -> str:
     """Return a value of a quantity as text with its unit."""
     unit = quantity(name).unit

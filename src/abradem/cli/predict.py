@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from pathlib import Path
 
 from abradem.cli.given_values import (
@@ -16,16 +15,17 @@ from abradem.cli.given_values import (
     confidence_level,
     depth_mm,
     given_values,
+    hours_of,
     say_preset,
 )
+from abradem.cli.inverse_questions import Depth, print_extremes, print_solution, target_of
+from abradem.cli.predict_map import check_map_path, predict_map
+from abradem.cli.predict_words import NO_END, depth_words, rate_text, warn
 from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
 from abradem.learning.number_text import number_or_words
 from abradem.quantities import SAMPLED
-from abradem.surrogate.model import Prediction, PredictionError, Surrogate
+from abradem.surrogate.model import PredictionError, Surrogate
 from abradem.words.labels import LABELS
-from abradem.words.wear import wear_words
-
-NO_END = "any number of"
 
 EPILOG = """\
 quantities (unit, range of the paper, meaning):
@@ -75,8 +75,29 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--depth",
         metavar="VALUE",
-        help="also print the hours until this wear depth, such as 5mm, in the mean over the plate "
-        "or whatever the surrogate predicts; single places are worn deeper",
+        help="also print the hours until this wear depth, such as 5mm, of every place of the plate "
+        "that the surrogate predicts",
+    )
+    parser.add_argument(
+        "--hours", metavar="VALUE", help="for --solve: after these hours, such as 1000 or 60000min"
+    )
+    parser.add_argument(
+        "--solve",
+        metavar="NAME[=FROM:TO]",
+        help="the values of a quantity with which --depth is worn in --hours, in its training "
+        "range or in the one given; archard_constant in closed form, others all that there are",
+    )
+    parser.add_argument(
+        "--extremes",
+        metavar="NAME[=FROM:TO]",
+        help="the least and the greatest wear over the range of a quantity, such as "
+        "plate_angle=20:60deg",
+    )
+    parser.add_argument(
+        "--target",
+        metavar="NAME",
+        help="place of the plate for --solve and --extremes: mean, footprint, p99 or max (the "
+        "worst element), as far as the surrogate holds it; default: the target of its study",
     )
     parser.add_argument(
         "--table", metavar="FILE",
@@ -89,6 +110,12 @@ def add_parser(commands) -> None:
         help="write the table with predictions, .csv or .parquet; default: print it as CSV",
     )
     parser.add_argument(
+        "--map",
+        type=Path,
+        metavar="FILE",
+        help="also write the predicted wear map of the plate: .png, .pdf, .svg, .parquet or .csv",
+    )
+    parser.add_argument(
         "--onnx", type=Path, metavar="FILE", help="write the surrogate as ONNX (extra: onnx)"
     )
     parser.set_defaults(run=run)
@@ -98,10 +125,16 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return the exit code."""
     if options.output is not None and options.table is None:
         raise PredictionError("--output needs --table FILE")
+    _refuse_combinations(options)
+    if options.map is not None:
+        check_map_path(options.map)
     given = given_values(options.values, options.material)
     depth = None if options.depth is None else depth_mm(options.depth)
     level = None if options.confidence is None else confidence_level(options.confidence)
-    surrogate = Surrogate.load(options.model or default_model())
+    model = options.model or default_model()
+    surrogate = Surrogate.load(model)
+    if not surrogate.description.get("jet_known", True):
+        warn(["the jet of the table behind the model is not known; answers are for it alone"])
     if options.onnx:
         from abradem.surrogate.onnx import export_onnx
 
@@ -116,51 +149,63 @@ def run(options: argparse.Namespace) -> int:
 
         predict_table(surrogate, given, options.table, options.output, depth, level)
         return 0
-    _predict_case(surrogate, given, depth, level)
+    target = target_of(surrogate, options.target)
+    if options.solve is not None and depth is not None:
+        wanted = Depth(depth, hours_of(options.hours))
+        print_solution(surrogate, given, options.solve, wanted, level, target)
+    elif options.extremes is not None:
+        print_extremes(surrogate, given, options.extremes, level, target)
+    else:
+        _predict_case(surrogate, given, depth, level)
+        if options.map is not None:
+            print(predict_map(model, surrogate, given.values, options.map))
     return 0
+
+
+def _refuse_combinations(options: argparse.Namespace) -> None:
+    """Raise with one line for each argument that needs or excludes another."""
+    problems = []
+    inverse = [f"--{name}" for name in ("solve", "extremes") if getattr(options, name) is not None]
+    if len(inverse) == 2:
+        problems.append("--solve and --extremes are two questions; ask one at a time")
+    if inverse and options.map is not None:
+        problems.append(f"--map shows one prediction, not the answer to {inverse[0]}")
+    if inverse and options.table is not None:
+        problems.append(f"{inverse[0]} is for a single case, not for --table FILE")
+    if options.solve is not None and None in (options.depth, options.hours):
+        problems.append("--solve needs --depth VALUE and --hours VALUE")
+    if options.solve is None and options.hours is not None:
+        problems.append("--hours is for --solve; --depth alone gives the hours")
+    if inverse and options.map is not None:
+        problems.append(f"--map is not for {inverse[0]}")
+    if options.target is not None and not inverse:
+        problems.append("--target is for --solve and --extremes; a prediction gives all places")
+    if options.extremes is not None and options.depth is not None:
+        problems.append("--depth is not for --extremes, which gives rates")
+    if options.map is not None and (inverse or options.table is not None):
+        problems.append("--map is for a single prediction, without --table, --solve or --extremes")
+    if problems:
+        raise PredictionError("\n".join(problems))
 
 
 def _predict_case(
     surrogate: Surrogate, given: Given, depth: float | None, level: float | None
 ) -> None:
-    prediction = surrogate.predict(given.values, level)
-    warn(prediction.warnings)
-    rate, low, high = (float(column[0]) for column in prediction[:3])
-    name, unit = (surrogate.description["target"][key] for key in ("name", "unit"))
-    place = place_words(surrogate)
+    found = surrogate.predict_all(given.values, level)
+    first, *_ = found.values()
+    warn(first.warnings)
     say_preset(given)
-    print(
-        f"wear depth rate {rate:.4g} {unit}, {level_text(prediction, surrogate)} interval "
-        f"{low:.4g} to {number_or_words(high, '.4g', NO_END)} {unit} ({name}: {place})"
-    )
-    if depth is not None:
+    for name, prediction in found.items():
+        print(f"wear depth rate {rate_text(surrogate, name, prediction)}")
+    if depth is None:
+        return
+    for name, prediction in found.items():
         middle, least, most = (float(column[0]) for column in prediction.hours_to(depth))
         print(
             f"{depth:g} mm after {middle:.4g} h, {least:.4g} to "
             f"{number_or_words(most, '.4g', NO_END)} h "
-            f"({depth_words(surrogate)})"
+            f"({depth_words(surrogate, name)})"
         )
-
-
-def level_text(prediction: Prediction, surrogate: Surrogate) -> str:
-    """Return the level of an interval in percent, and why it is below the usual one."""
-    text = f"{100.0 * prediction.confidence:.4g} %"
-    if prediction.confidence == surrogate.highest_confidence < surrogate.usual_confidence:
-        text += f" (the highest that {surrogate.score_count} held-out errors promise)"
-    return text
-
-
-def place_words(surrogate: Surrogate) -> str:
-    """Return of what place of the plate the rate is that a surrogate predicts."""
-    target = surrogate.description["target"]
-    return wear_words(target["name"], target.get("element_size"))
-
-
-def depth_words(surrogate: Surrogate) -> str:
-    """Return of what the depth is that a surrogate predicts, in words."""
-    words = f"depth {place_words(surrogate)}"
-    worst = surrogate.description["target"]["name"].endswith("_max")
-    return words if worst else f"{words}; single places are worn deeper"
 
 
 def default_model(config: Path = Path("config.yaml")) -> str:
@@ -183,12 +228,6 @@ def default_model(config: Path = Path("config.yaml")) -> str:
     if not (isinstance(study, str) and re.fullmatch(STUDY_NAME[1:-1], study)):
         raise PredictionError("--model is not given, and config.yaml names no study")
     return f"results/{study}/models/surrogate"
-
-
-def warn(lines: list[str]) -> None:
-    """Print warnings to stderr."""
-    for line in lines:
-        print(f"warning: {line}", file=sys.stderr)
 
 
 def _quantities() -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.cli.given_values import Given, value_text
-from abradem.cli.predict import depth_words, level_text, place_words, warn
+from abradem.cli.predict_words import depth_words, level_text, place_words, warn
 from abradem.dataset.known_names import normal
 from abradem.dataset.user_table import (
     UserTable,
@@ -24,9 +24,9 @@ from abradem.dataset.user_table import (
     table_suffix,
     unused_columns,
 )
-from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, quantity
+from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, quantity, wear_parts
 from abradem.store.files import TableError, replacing, write_text
-from abradem.surrogate.model import PredictionError, Surrogate
+from abradem.surrogate.model import Prediction, PredictionError, Surrogate
 from abradem.words.labels import LABELS
 
 FROM_DERIVED = {
@@ -53,7 +53,7 @@ def predict_table(
     depth: float | None,
     level: float | None,
 ) -> None:
-    """Predict the cases of a table and write or print it with three (or six) more columns.
+    """Predict the cases of a table and write or print it with three more columns for each rate.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def predict_table(
     path, output : path-like
         ``output`` None prints the table as CSV.
     depth : float or None
-        mm; adds the hours until this depth.
+        mm; adds the hours until this depth, three more columns for each rate.
     level : float or None
         Level of the interval.
 
@@ -76,32 +76,20 @@ def predict_table(
     table = read_user_table(path)
     values = _values(table, given)
     try:
-        prediction = surrogate.predict(values, level)
+        found = surrogate.predict_all(values, level)
     except PredictionError as error:
         raise PredictionError(
             "\n".join(f"{path}: {line}" for line in str(error).splitlines())
         ) from None
-    warn(prediction.warnings)
-    description = surrogate.description["target"]
-    words = place_words(surrogate)
-    interval = level_text(prediction, surrogate)
-    columns = {
-        "wear_depth_rate": (prediction.rate, description["unit"], f"wear depth rate, {words}"),
-        "wear_depth_rate_lower": (
-            prediction.lower, description["unit"], f"lower end of the {interval} interval",
-        ),
-        "wear_depth_rate_upper": (
-            prediction.upper, description["unit"], f"upper end of the {interval} interval",
-        ),
-    }  # fmt: skip
-    if depth is not None:
-        middle, least, most = prediction.hours_to(depth)
-        of = f"hours until {depth:g} mm ({depth_words(surrogate)})"
-        columns |= {
-            "hours": (middle, "h", of),
-            "hours_lower": (least, "h", f"{of}, lower end of the {interval} interval"),
-            "hours_upper": (most, "h", f"{of}, upper end of the {interval} interval"),
-        }
+    first = next(iter(found))
+    warn(found[first].warnings)
+    columns: dict[str, tuple] = {}
+    for name, prediction in found.items():
+        # Those of the target have plain names, the others that of their statistic as well.
+        behind = "" if name == first else f"_{wear_parts(name)[1]}"
+        columns |= _rate_columns(surrogate, name, prediction, behind)
+        if depth is not None:
+            columns |= _hour_columns(surrogate, name, prediction, depth, behind)
     _refuse_taken(table, columns)
     if target is None:
         print(_csv(table, columns), end="")
@@ -109,12 +97,43 @@ def predict_table(
         write_text(_csv(table, columns), target)
     else:
         _write_parquet(table, columns, target)
+    words, interval = place_words(surrogate), level_text(found[first].confidence, surrogate)
+    words += f" and {len(found) - 1} others" if len(found) > 1 else ""
     count = len(table.frame)
     where = "" if target is None else f", written to {output}"
     print(
         f"{count} case{'' if count == 1 else 's'} predicted: {words}, {interval} interval{where}",
         file=sys.stderr if target is None else sys.stdout,
     )
+
+
+def _rate_columns(surrogate: Surrogate, name: str, prediction: Prediction, behind: str) -> dict:
+    """Return the columns of a wear rate: values, unit and meaning by their names."""
+    unit, interval = (
+        surrogate.models[name].target["unit"],
+        level_text(prediction.confidence, surrogate, name),
+    )
+    words = place_words(surrogate, name)
+    rate = f"wear_depth_rate{behind}"
+    return {
+        rate: (prediction.rate, unit, f"wear depth rate, {words}"),
+        f"{rate}_lower": (prediction.lower, unit, f"lower end of the {interval} interval"),
+        f"{rate}_upper": (prediction.upper, unit, f"upper end of the {interval} interval"),
+    }
+
+
+def _hour_columns(
+    surrogate: Surrogate, name: str, prediction: Prediction, depth: float, behind: str
+) -> dict:
+    """Return the columns of the hours until a depth, mm."""
+    middle, least, most = prediction.hours_to(depth)
+    interval = level_text(prediction.confidence, surrogate, name)
+    of = f"hours until {depth:g} mm ({depth_words(surrogate, name)})"
+    return {
+        f"hours{behind}": (middle, "h", of),
+        f"hours{behind}_lower": (least, "h", f"{of}, lower end of the {interval} interval"),
+        f"hours{behind}_upper": (most, "h", f"{of}, upper end of the {interval} interval"),
+    }
 
 
 def _target(output: str, path: str) -> Path:

@@ -27,13 +27,15 @@ NOT_OK = 1
 
 TABLE_SUFFIXES = (".parquet", ".csv")
 PICTURE_SUFFIXES = (".png", ".pdf", ".svg")
+SCENE_SUFFIXES = (".vtp",)
 
-_OF_OWN_CASE = ("material", "config", "duration", "seed", "model")
+_OF_OWN_CASE = ("material", "config", "geometry", "unit", "duration", "seed", "model")
 
 EPILOG = """\
 examples:
   abradem simulate plate_angle=45deg particle_radius=20mm --material granite
   abradem simulate plate_angle=20deg --set factory.mass_rate_kg_s=10 --map map.png
+  abradem simulate --geometry chute.stl particle_radius=20mm --map map.png --map cells.csv
   abradem simulate --study results/paper --case 42 --series case-42.parquet
 
 `abradem predict --help` lists the quantities, their units and the materials, docs/config.md the
@@ -62,9 +64,11 @@ def add_simulate(commands) -> None:
     parser.add_argument(
         "--map",
         type=Path,
+        action="append",
+        default=[],
         metavar="FILE",
-        help="write the wear depth rate of every facet: .parquet or .csv, or a picture, "
-        ".png, .pdf or .svg",
+        help="write the wear depth rate of every facet: .parquet or .csv, a picture, .png, .pdf "
+        "or .svg, or for a geometry .vtp for ParaView; may be given several times",
     )
     parser.add_argument(
         "--series",
@@ -123,16 +127,19 @@ def _output_problems(options: argparse.Namespace) -> list[str]:
     problems = []
     if options.interval is not None and options.snapshots is None:
         problems.append("--interval needs --snapshots FOLDER")
-    for name in ("map", "series"):
-        path = getattr(options, name)
-        allowed = (*TABLE_SUFFIXES, *PICTURE_SUFFIXES)
-        if path is None:
-            continue
+    named = [("map", path) for path in options.map]
+    named += [("series", options.series)] if options.series else []
+    for name, path in named:
+        allowed = (*TABLE_SUFFIXES, *PICTURE_SUFFIXES, *(SCENE_SUFFIXES if name == "map" else ()))
         if path.suffix.lower() not in allowed:
             problems.append(f"--{name} {path}: must end with one of {', '.join(allowed)}")
+        elif path.suffix.lower() in SCENE_SUFFIXES and options.geometry is None and not options.set:
+            problems.append(
+                f"--map {path}: the plate is shown by snakemake vtk (allowed with a geometry)"
+            )
         elif path.is_dir():
             problems.append(f"--{name} {path}: is a folder; name a file")
-    folders = [path.parent for path in (options.map, options.series) if path]
+    folders = [path.parent for _, path in named]
     folders += [options.snapshots] if options.snapshots else []
     problems += dict.fromkeys(why for folder in folders if (why := why_not_written(folder)))
     return problems
@@ -194,7 +201,14 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
 
     progress, clear = None, lambda: None
     if not row["rejected"]:
-        load_kernels(setup["stepping"])
+        if setup.get("geometry"):
+            print(
+                "the engine is compiled at the first use of a geometry: a minute or more",
+                file=sys.stderr,
+                flush=True,
+            )
+        else:
+            load_kernels(setup["stepping"])
         progress, clear = progress_line(setup)
     try:
         tables = run_case(row, setup, progress)
@@ -252,17 +266,22 @@ def wear_lines(rates, target: WearTarget) -> str:
 
 
 def _write_outputs(tables: dict, row: dict, setup: dict, config, options) -> None:
-    from abradem.cli.case_files import write_map, write_series
+    from abradem.cli.case_files import write_map, write_series, write_surface_map
 
     target = headline(config)
     numbered = options.study is not None
     steady = tables["runs"]["window_end"].notna().all()
     if options.series:
         write_series(tables, row, setup, target, options.series, numbered)
-    if options.map and steady:
-        write_map(tables, row, setup, target, options.map, numbered)
-    elif options.map:
-        print(f"--map {options.map}: not written, no complete window", file=sys.stderr)
+    for path in options.map:
+        if not steady:
+            print(f"--map {path}: not written, no complete window", file=sys.stderr)
+        elif setup.get("geometry"):
+            write_surface_map(tables, row, setup, target, path)
+        elif path.suffix.lower() in SCENE_SUFFIXES:
+            print(f"--map {path}: not written, is for a geometry", file=sys.stderr)
+        else:
+            write_map(tables, row, setup, target, path, numbered)
     if options.snapshots and not row["rejected"]:
         from abradem.dem.model import Case, Setup
         from abradem.simulation.snapshots import write_snapshots

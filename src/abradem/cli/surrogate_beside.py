@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from abradem.cli.case_input import OwnSetup, headline
-from abradem.cli.predict import level_text, place_words, warn
-from abradem.learning.number_text import number_or_words
+from abradem.cli.predict_words import rate_text, warn
 from abradem.quantities import WEAR_COLUMNS, stderr_column
 from abradem.surrogate.groups import jet_of
 from abradem.surrogate.model import Surrogate
@@ -19,6 +18,8 @@ class SurrogateBeside:
     def __init__(self, surrogate: Surrogate, stem: str, own: OwnSetup):
         self.surrogate, self.stem = surrogate, stem
         ours, theirs = jet_of(own.setup)._asdict(), surrogate.jet._asdict()
+        # The jet of a table from elsewhere may be a reference alone.
+        self.jet_known = surrogate.description.get("jet_known", True)
         target = surrogate.description["target"]
         of_elements = target["name"] in WEAR_COLUMNS and not target["name"].endswith("_mean")
         if of_elements:
@@ -31,26 +32,23 @@ class SurrogateBeside:
         ]
 
     def say(self, values: Mapping[str, float], rates) -> None:
-        """Print the prediction for a case beside its simulated rates, in one line."""
-        prediction = self.surrogate.predict(values)
-        warn(prediction.warnings)
-        if self.differences:
+        """Print the predictions for a case beside its simulated rates, one line for each rate."""
+        found = self.surrogate.predict_all(values)
+        first, *_ = found.values()
+        warn(first.warnings)
+        if not self.jet_known:
+            warn(["the surrogate was trained with a table whose jet is not known"])
+        elif self.differences:
             warn([f"the surrogate was trained with another set-up: {', '.join(self.differences)}"])
-        target = self.surrogate.description["target"]
-        name, unit = target["name"], target["unit"]
-        place = place_words(self.surrogate)
-        rate, low, high = (float(column[0]) for column in prediction[:3])
-        line = (
-            f"surrogate {self.stem}: {rate:.4g} {unit}, "
-            f"{level_text(prediction, self.surrogate)} interval {low:.4g} to "
-            f"{number_or_words(high, '.4g', 'any number of')} {unit} ({name}: {place})"
-        )
-        if name in rates:
-            line += (
-                f"; simulated {rates[name]:.4g} {unit}, standard error "
-                f"{rates[stderr_column(name)]:.2g} {unit}"
-            )
-        print(line)
+        for name, prediction in found.items():
+            line = f"surrogate {self.stem}: {rate_text(self.surrogate, name, prediction)}"
+            if name in rates:
+                unit = self.surrogate.models[name].target["unit"]
+                line += (
+                    f"; simulated {rates[name]:.4g} {unit}, standard error "
+                    f"{rates[stderr_column(name)]:.2g} {unit}"
+                )
+            print(line)
 
 
 def surrogate_beside(model: str | None, own: OwnSetup) -> SurrogateBeside | None:

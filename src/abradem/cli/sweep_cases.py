@@ -185,7 +185,7 @@ def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
 
 def _predict(cases, swept: Swept, own: OwnSetup, filled: dict, level, options) -> int:
     from abradem.cases.sweep import predict_cases
-    from abradem.cli.predict import place_words, warn
+    from abradem.cli.predict_words import place_words, warn
 
     stem = options.model or f"results/{own.config.study}/models/surrogate"
     surrogate = Surrogate.load(stem)

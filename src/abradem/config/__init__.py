@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from abradem.config.declaration import Config
+    from abradem.config.geometry import geometry_ranges
     from abradem.config.keys import COMMAND_LINE
     from abradem.config.reading import (
         ConfigError,
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     )
     from abradem.config.reference import documentation, schema
     from abradem.config.values import (
+        jet_is_known,
         rate_options,
         sampled_ranges,
         setup_dict,
@@ -39,6 +41,7 @@ _LAZY = {
     "Config": "declaration",
     "ConfigError": "reading",
     "documentation": "reference",
+    "geometry_ranges": "geometry",
     "load_config": "reading",
     "origin_in_files": "reading",
     "read_config": "reading",
@@ -48,6 +51,7 @@ _LAZY = {
     "schema": "reference",
     "setup_dict": "values",
     "target_dict": "values",
+    "jet_is_known": "values",
     "to_yaml": "values",
     "typical_case": "values",
 }
@@ -57,6 +61,8 @@ __all__ = [
     "Config",
     "ConfigError",
     "documentation",
+    "geometry_ranges",
+    "jet_is_known",
     "load_config",
     "origin_in_files",
     "rate_options",

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from abradem.config.declaration import Config, Factory, PlateKeys
+from abradem.config.declaration import STATED, Config, Factory, PlateKeys
 from abradem.config.keys import Key
 from abradem.quantities import WEAR_MEASURES
 
@@ -26,26 +26,10 @@ def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
     yield from _feed_conflicts(simulation.factory)
     yield from _size_conflicts(config)
 
-    plate = simulation.plate
-    shorter = min(plate.length_mm, plate.width_mm)
-    if plate.facet_size_mm > shorter:
-        yield (
-            ("simulation", "plate", "facet_size_mm"),
-            f"a facet must not be larger than the plate (allowed up to {shorter:g} mm)",
-        )
-    if config.sampling.ranges.particle_radius_mm[1] > shorter / 2.0:
-        yield (
-            ("sampling", "ranges", "particle_radius_mm"),
-            "a particle must not be wider than the plate "
-            f"(allowed radius up to {shorter / 2.0:g} mm on a plate of "
-            f"{plate.length_mm:g} x {plate.width_mm:g} mm)",
-        )
-
-    if config.figures.typical.particle_radius_mm > shorter / 2.0:
-        yield (
-            ("figures", "typical", "particle_radius_mm"),
-            f"a particle must not be wider than the plate (allowed up to {shorter / 2.0:g} mm)",
-        )
+    if simulation.geometry.kind == "plate":
+        yield from _plate_conflicts(config)
+    else:
+        yield from _geometry_conflicts(config)
 
     factory = simulation.factory
     if factory.angle_acts == "arc" and factory.arc_radius_mm >= factory.fall_height_mm:
@@ -53,7 +37,6 @@ def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             ("simulation", "factory", "arc_radius_mm"),
             f"must be less than the fall height (allowed below {factory.fall_height_mm:g} mm)",
         )
-    yield from _element_conflicts(config)
 
     yield from _learning_conflicts(config)
 
@@ -95,6 +78,63 @@ def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             yield key, "contains an item twice (allowed once each)"
     if "png" not in config.figures.formats:
         yield ("figures", "formats"), "must include png, which the report shows (allowed pdf, png)"
+
+
+def _plate_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    """Yield the conflicts of the plate with its facets, elements of them, and particles."""
+    plate = config.simulation.plate
+    shorter = min(plate.length_mm, plate.width_mm)
+    if plate.facet_size_mm > shorter:
+        yield (
+            ("simulation", "plate", "facet_size_mm"),
+            f"a facet must not be larger than the plate (allowed up to {shorter:g} mm)",
+        )
+    if config.sampling.ranges.particle_radius_mm[1] > shorter / 2.0:
+        yield (
+            ("sampling", "ranges", "particle_radius_mm"),
+            "a particle must not be wider than the plate "
+            f"(allowed radius up to {shorter / 2.0:g} mm on a plate of "
+            f"{plate.length_mm:g} x {plate.width_mm:g} mm)",
+        )
+
+    if config.figures.typical.particle_radius_mm > shorter / 2.0:
+        yield (
+            ("figures", "typical", "particle_radius_mm"),
+            f"a particle must not be wider than the plate (allowed up to {shorter / 2.0:g} mm)",
+        )
+    yield from _element_conflicts(config)
+
+
+def _geometry_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    """Yield what is missing for a geometry, and the stages that know the plate alone."""
+    geometry = config.simulation.geometry
+    above = ("simulation", "geometry")
+    if geometry.kind == "plates" and not geometry.plates:
+        yield (*above, "plates"), "kind: plates needs at least one plate"
+    if geometry.kind == "mesh" and geometry.mesh.file is None:
+        yield (*above, "mesh", "file"), "kind: mesh needs a file (allowed .stl, .obj or .ply)"
+    if geometry.kind == "arc" and geometry.arc.begin == geometry.arc.end:
+        yield (*above, "arc", "end"), "must differ from begin"
+    screw = geometry.screw
+    if geometry.kind == "screw" and _most(screw.shaft_radius_mm) >= _least(screw.radius_mm):
+        yield (
+            (*above, "screw", "shaft_radius_mm"),
+            f"must be less than that of the flight (allowed below {_least(screw.radius_mm):g} mm)",
+        )
+    if geometry.kind != "mesh" and geometry.moving:
+        yield (*above, "moving"), "is for kind: mesh (allowed [] here)"
+    if not any(geometry.jet_direction):
+        yield (*above, "jet_direction"), "must point somewhere (allowed such as [0, -1, 0])"
+    if config.calibration.table is not None:
+        yield (*above, "kind"), "a calibration knows the plate alone (allowed plate)"
+
+
+def _least(value: float | tuple[float, float]) -> float:
+    return value[0] if isinstance(value, tuple) else value
+
+
+def _most(value: float | tuple[float, float]) -> float:
+    return value[1] if isinstance(value, tuple) else value
 
 
 TAKEN_NAMES = {
@@ -216,6 +256,10 @@ def _learning_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
         yield ("learning", "physical", "sobol_points"), "is not a power of two"
     if config.dataset.columns and config.dataset.external is None:
         yield ("dataset", "columns"), "requires a table in dataset.external"
+    if config.dataset.external is None:
+        for key in ("jet", "rate"):
+            if getattr(config.dataset, key) == STATED:
+                yield ("dataset", key), "requires a table in dataset.external"
 
 
 def _feed_conflicts(factory: Factory) -> Iterator[tuple[Key, str]]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import yaml
 
-from abradem.config.declaration import Config, to_si
+from abradem.config.declaration import STATED, Config, to_si
+from abradem.config.geometry import geometry_dict
 from abradem.quantities import SAMPLED
 
 
@@ -39,6 +40,9 @@ def typical_case(config: Config) -> dict[str, float]:
 def rate_options(config: Config) -> dict:
     """Return the options of `abradem.wear.rates.wear_rates`, SI units."""
     size = config.wear_rate.element_size_mm
+    if config.simulation.geometry.kind != "plate":
+        # The statistics of a surface are over its cells.
+        size = None
     return {
         "min_batches": config.wear_rate.min_batches,
         "footprint_share": config.wear_rate.footprint_share,
@@ -49,16 +53,23 @@ def rate_options(config: Config) -> dict:
 def target_dict(config: Config) -> dict:
     """Return the target of the study as arguments of `abradem.words.wear.WearTarget`, SI units.
 
-    The size of the elements of an external table is not known.
+    The size of the elements of an external table is not known, and what its rate is only where
+    the study states it; the cells of a surface have no elements.
     """
     size = config.wear_rate.element_size_mm
     if size is None:
         size = config.simulation.plate.facet_size_mm
-    simulated = config.dataset.external is None
+    simulated = config.dataset.external is None and config.simulation.geometry.kind == "plate"
     return {
         "name": config.learning.target,
         "element_size": size / 1000.0 if simulated else None,
+        "known": simulated or config.dataset.rate == STATED,
     }
+
+
+def jet_is_known(config: Config) -> bool:
+    """Whether ``simulation.plate`` and ``simulation.factory`` are those of the data set."""
+    return config.dataset.external is None or config.dataset.jet == STATED
 
 
 def setup_dict(config: Config) -> dict:
@@ -69,6 +80,7 @@ def setup_dict(config: Config) -> dict:
     simulation = config.simulation
     plate, factory, stop = simulation.plate, simulation.factory, simulation.stop
     pair = simulation.pair_interaction
+    geometry = geometry_dict(config)
     return {
         "plate_length": plate.length_mm / 1000.0,
         "plate_width": plate.width_mm / 1000.0,
@@ -90,4 +102,6 @@ def setup_dict(config: Config) -> dict:
         "max_time": stop.max_time_s,
         "target_stderr": stop.target_stderr,
         "sample_interval": stop.sample_interval_s,
+        # Only if there is one, so that set-ups with a plate stay what they were.
+        **({} if geometry is None else {"geometry": geometry}),
     }

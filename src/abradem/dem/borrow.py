@@ -7,10 +7,11 @@ the kernels lasts, so no counting is needed inside it.
 
 from __future__ import annotations
 
-from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.core import cgutils, types
+from numba.extending import intrinsic, overload
 
 from abradem.dem.cache import kernel
+from abradem.dem.mesh import Mesh
 from abradem.dem.state import State
 
 
@@ -27,6 +28,42 @@ def borrowed(typing_context, array):
     return array(array), codegen
 
 
+def borrowed_mesh(mesh):
+    """Return the mesh with all its arrays borrowed; None for the plate. For kernels alone."""
+    raise NotImplementedError
+
+
+@overload(borrowed_mesh)
+def _borrowed_mesh(mesh):
+    if isinstance(mesh, types.NoneType):
+        return lambda mesh: None
+
+    def with_arrays(mesh):
+        return Mesh(
+            borrowed(mesh.frames),
+            borrowed(mesh.reach),
+            borrowed(mesh.normals),
+            borrowed(mesh.sides),
+            borrowed(mesh.side_edge),
+            borrowed(mesh.edge_first),
+            borrowed(mesh.edge_sides),
+            borrowed(mesh.corner_vertex),
+            borrowed(mesh.vertex_first),
+            borrowed(mesh.vertex_edges),
+            borrowed(mesh.cell_first),
+            borrowed(mesh.cell_triangles),
+            borrowed(mesh.cell_steps),
+            borrowed(mesh.part),
+            borrowed(mesh.velocity),
+            borrowed(mesh.frame_of),
+            borrowed(mesh.sums),
+            borrowed(mesh.hits),
+            borrowed(mesh.walls),
+        )
+
+    return with_arrays
+
+
 @kernel(inline=True)
 def borrowed_state(state):
     """Return the state with all its arrays borrowed."""
@@ -35,4 +72,5 @@ def borrowed_state(state):
         borrowed(state.particles),
         borrowed(state.pairs),
         borrowed(state.facet_wear),
+        borrowed_mesh(state.mesh),
     )

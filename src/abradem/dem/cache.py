@@ -3,6 +3,9 @@
 numba's own cache does not notice an edit of a function that is in *another* file than its
 caller, and would silently run outdated machine code. The folder name contains a hash of all
 sources of the engine, so every edit leads to a new folder.
+
+numba also has a folder for each path of the source, and compiles again after a new checkout. Here
+the hash says all, so clones and installations with the same engine share their machine code.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ import os
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 ENVIRONMENT_VARIABLE = "ABRADEM_CACHE_DIR"
 
@@ -44,6 +48,11 @@ def cache_folder() -> Path:
     except (OSError, RuntimeError):
         # Path.home() raises a RuntimeError for a user without a home, as in some containers.
         return _private_folder() / name
+
+
+def is_compiled(stepping: str) -> bool:
+    """Whether the kernels of a stepping are in the cache of this version of the engine."""
+    return any(cache_folder().glob(f"**/{stepping}.advance-*.nbi"))
 
 
 def _user_folder() -> Path:
@@ -105,7 +114,27 @@ def kernel(function=None, *, inline: bool = False):
     finally:
         numba.config.CACHE_DIR = before
     _make_robust(compiled)
+    if Path(function.__code__.co_filename).parent == Path(__file__).parent:
+        _share(compiled, cache_folder())
     return compiled
+
+
+def _share(compiled, folder: Path) -> None:
+    """Keep the machine code of a kernel of the engine in ``folder``, wherever its source is.
+
+    The folder stands for the content of all sources, so their paths and times do not matter.
+    """
+    cache: Any = getattr(compiled, "_cache", None)
+    file: Any = getattr(cache, "_cache_file", None)
+    locator: Any = getattr(getattr(cache, "_impl", None), "locator", None)
+    known = type(file) is _robust_file() and hasattr(locator, "_cache_path")
+    if not known:
+        # Another version of numba is organised differently: its own folders are used.
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    cache._cache_path = file._cache_path = locator._cache_path = str(folder)
+    file._index_path = str(folder / file._index_name)
+    file._source_stamp = folder.name
 
 
 def _make_robust(compiled) -> None:

@@ -5,8 +5,21 @@ from __future__ import annotations
 import math
 
 from abradem.dem.cache import kernel
+from abradem.dem.mesh_contact import walls_energy
 from abradem.dem.plate import plate_distance
 from abradem.dem.state import GONE, energy_of, kinetic_energy_of
+
+
+@kernel(inline=True)
+def _wall_energy(problem, particle, mesh, i):
+    """Elastic energy of the contacts of particle i with walls: normal and tangential part, J."""
+    if mesh is not None:
+        return walls_energy(problem, mesh, i)
+    distance = plate_distance(problem.plate, particle.x, particle.y, particle.z)[0]
+    if distance >= problem.radius:
+        return 0.0, 0.0
+    squeezed = 0.4 * problem.plate_law.kn * (problem.radius - distance) ** 2.5
+    return squeezed, particle.plate_energy
 
 
 @kernel
@@ -25,12 +38,10 @@ def energy_present(problem, state):
             continue
         total += energy_of(problem, particle, tally.step)
         moving += kinetic_energy_of(problem, particle, tally.step)
-        distance = plate_distance(problem.plate, particle.x, particle.y, particle.z)[0]
-        if distance < radius:
-            squeezed = 0.4 * problem.plate_law.kn * (radius - distance) ** 2.5
-            total += squeezed
-            total += particle.plate_energy
-            moving += squeezed + particle.plate_energy
+        squeezed, sheared = _wall_energy(problem, particle, state.mesh, i)
+        total += squeezed
+        total += sheared
+        moving += squeezed + sheared
     for p in range(tally.pairs):
         pair = pairs[p]
         if pair.stiffness == 0.0:

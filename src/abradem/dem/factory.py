@@ -15,6 +15,7 @@ from abradem.dem.agenda import NEIGHBOURS
 from abradem.dem.cache import kernel
 from abradem.dem.cells import cell_of, enter_cell, list_neighbours
 from abradem.dem.counter_random import uniform
+from abradem.dem.mesh_contact import clear_walls, is_clear_of
 from abradem.dem.plate import plate_distance
 from abradem.dem.state import (
     DONE,
@@ -50,17 +51,25 @@ def _overlap(problem, x, y, z, other):
 
 @kernel(inline=True)
 def _is_free(problem, particles, x, y, z, near, near_count):
-    """Whether a new particle at (x, y, z) overlaps neither the plate nor a near particle."""
+    """Whether a new particle at (x, y, z) overlaps no near particle."""
     for k in range(near_count):
         other = particles[near[k]]
         if _overlap(problem, x, y, z, (other.x, other.y, other.z)):
             return False
-    return plate_distance(problem.plate, x, y, z)[0] >= problem.radius
+    return True
+
+
+@kernel(inline=True)
+def _is_off_the_walls(problem, state, mesh, x, y, z):
+    """Whether a new particle at (x, y, z) overlaps neither the plate nor the surface."""
+    if mesh is None:
+        return plate_distance(problem.plate, x, y, z)[0] >= problem.radius
+    return is_clear_of(problem, mesh, x, y, z, state.tally[0].step)
 
 
 @kernel(inline=True)
 def _is_free_in_cells(problem, state, agenda, x, y, z):
-    """Whether a new particle at (x, y, z) overlaps neither the plate nor a particle in the cells.
+    """Whether a new particle at (x, y, z) overlaps no particle in the cells.
 
     The positions of flying particles in the state may be those of an earlier step.
     """
@@ -72,7 +81,7 @@ def _is_free_in_cells(problem, state, agenda, x, y, z):
             place = flying_place(problem, other, state.tally[0].step)
         if _overlap(problem, x, y, z, place):
             return False
-    return plate_distance(problem.plate, x, y, z)[0] >= problem.radius
+    return True
 
 
 @kernel
@@ -98,6 +107,7 @@ def _place(problem, state, agenda, place, velocity, spin):
     particle.plate_tx = particle.plate_ty = particle.plate_tz = 0.0
     particle.plate_energy = 0.0
     particle.plate_slip = 0.0
+    clear_walls(state.mesh, new)
     tally.live = new + 1
     tally.placed += 1
     tally.draws = 0
@@ -127,8 +137,9 @@ def _release_from_patch(problem, state, agenda):
         near = np.empty(particles.size, np.int64)
         for j in range(tally.live):
             other = particles[j]
+            dx, dz = other.x - problem.patch_x, other.z - problem.patch_z
             dy = other.y - problem.patch_height
-            if other.motion != GONE and other.x**2 + dy**2 + other.z**2 < far * far:
+            if other.motion != GONE and dx**2 + dy**2 + dz**2 < far * far:
                 near[near_count] = j
                 near_count += 1
 
@@ -141,18 +152,20 @@ def _release_from_patch(problem, state, agenda):
             v = uniform(problem.seed, tally.placed, tally.draws + 1)
             tally.draws += 2
             along = problem.patch_half_length * (2.0 * u - 1.0)
-            x = along * problem.patch_cos
-            y = problem.patch_height + along * problem.patch_sin
-            z = problem.patch_half_width * (2.0 * v - 1.0)
+            across = problem.patch_half_width * (2.0 * v - 1.0)
+            way, side = problem.patch_along, problem.patch_across
+            x = problem.patch_x + along * way[0] + across * side[0]
+            y = problem.patch_height + along * way[1] + across * side[1]
+            z = problem.patch_z + along * way[2] + across * side[2]
             if agenda is None:
                 free = _is_free(problem, particles, x, y, z, near, near_count)
             else:
                 free = _is_free_in_cells(problem, state, agenda, x, y, z)
-            if free:
+            if free and _is_off_the_walls(problem, state, state.mesh, x, y, z):
                 if agenda is None:
                     near[near_count] = tally.live
                     near_count += 1
-                velocity = (0.0, problem.release_speed, 0.0)
+                velocity = problem.release_velocity
                 _place(problem, state, agenda, (x, y, z), velocity, (0.0, 0.0, 0.0))
                 placed = True
                 break
@@ -182,7 +195,7 @@ def _release_scheduled(problem, schedule, state, agenda):
             free = _is_free(problem, particles, *place, near, near_count)
         else:
             free = _is_free_in_cells(problem, state, agenda, *place)
-        if not free:
+        if not (free and _is_off_the_walls(problem, state, state.mesh, *place)):
             return STOP_RELEASE
         v, w = schedule.velocity[tally.placed], schedule.spin[tally.placed]
         _place(problem, state, agenda, place, (v[0], v[1], v[2]), (w[0], w[1], w[2]))

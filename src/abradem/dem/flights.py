@@ -15,6 +15,7 @@ from abradem.dem.bounds import (
 )
 from abradem.dem.cache import kernel
 from abradem.dem.cells import change_cell, list_neighbours, time_to_leave
+from abradem.dem.mesh_flights import time_in_box, time_to_surface
 from abradem.dem.plate import plate_distance
 from abradem.dem.rows import note_in_row
 from abradem.dem.state import FLYING, GONE, fall_speed, flying_place
@@ -26,10 +27,20 @@ GLANCE = 64
 
 @kernel(inline=True)
 def plan_plate(problem, state, agenda, i, now):
-    """Find the first step at which flying particle i can touch the plate or be removed."""
+    """Find the first step at which flying particle i can touch a wall or be removed."""
     particle = state.particles[i]
     x, y, z = flying_place(problem, particle, now)
     vx, vy, vz = particle.vx, fall_speed(problem, particle, now), particle.vz
+    time = _time_to_walls(problem, state.mesh, now, x, y, z, vx, vy, vz)
+    agenda.plans[i].plate_due = max(due_step(problem, now, time), now + 1)
+
+
+@kernel(inline=True)
+def _time_to_walls(problem, mesh, now, x, y, z, vx, vy, vz):
+    """Lower bound of the time until a flying particle touches a wall or is removed, s."""
+    if mesh is not None:
+        until = time_in_box(problem, problem.box, x, y, z, vx, vy, vz)
+        return time_to_surface(problem, mesh, now, until, x, y, z, vx, vy, vz)
     drop = max(y - problem.removal_height, 0.0)
     until = first_time_within(drop, vy, -problem.gravity, 0.0, 0.0)
     plate = time_to_plate(problem, x, y, z, vx, vy, vz)
@@ -38,7 +49,7 @@ def plan_plate(problem, state, agenda, i, now):
         gap = plate_distance(problem.plate, x, y, z)[0] - problem.radius * (1.0 + SAFETY)
         fastest = math.sqrt(vx * vx + vy * vy + vz * vz) + problem.gravity * GLANCE * problem.dt
         plate = max(plate, min(gap / fastest, GLANCE * problem.dt))
-    agenda.plans[i].plate_due = max(due_step(problem, now, min(until, plate)), now + 1)
+    return min(until, plate)
 
 
 @kernel(inline=True)

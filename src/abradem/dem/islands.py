@@ -46,6 +46,8 @@ from abradem.dem.cache import kernel
 from abradem.dem.cells import cell_of, enter_cell, leave_cell
 from abradem.dem.factory import release_due
 from abradem.dem.flights import plan_flights, plan_pairs
+from abradem.dem.mesh_contact import touch_mesh
+from abradem.dem.mesh_search import turn_to
 from abradem.dem.motion import finish, fly_to, move, remove_if_fallen, touch_pair, touch_plate
 from abradem.dem.neighbours import compact
 from abradem.dem.plate import height_over
@@ -146,11 +148,7 @@ def _step(problem, state, agenda):
     if clock.begun > 0 and not _merge_begun(state, agenda):
         return STOP_CROWDED
 
-    for k in range(clock.awake):
-        particle = particles[awake[k]]
-        height = height_over(problem.plate, particle.x, particle.y)
-        if abs(height) < problem.radius or particle.plate_stiffness != 0.0:
-            touch_plate(problem, particle, tally, state.facet_wear)
+    _touch_walls(problem, state, agenda, state.mesh, now)
     _touch_pairs(problem, state, agenda, now)
     tally.step = now
     landed, changed, kept = 0, 0, 0
@@ -183,6 +181,22 @@ def _step(problem, state, agenda):
     if tally.largest_overlap / problem.radius > OVERLAP_STOP:
         return STOP_OVERLAP
     return DONE
+
+
+@kernel(inline=True)
+def _touch_walls(problem, state, agenda, mesh, now):
+    """Contacts of the awake particles with the plate or, if there is one, with the surface."""
+    particles, awake = state.particles, agenda.awake
+    if mesh is not None:
+        turn_to(problem, mesh, now)
+        for k in range(agenda.clock[0].awake):
+            touch_mesh(problem, state, mesh, awake[k])
+        return
+    for k in range(agenda.clock[0].awake):
+        particle = particles[awake[k]]
+        height = height_over(problem.plate, particle.x, particle.y)
+        if abs(height) < problem.radius or particle.plate_stiffness != 0.0:
+            touch_plate(problem, particle, state.tally[0], state.facet_wear)
 
 
 @kernel

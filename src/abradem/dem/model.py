@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
+from abradem.dem.surface import Feed, Surface, check_feed, check_surface
 from abradem.elastic import rayleigh_time, youngs_modulus
 
 NORMAL_LAWS = ("exact_e", "nominal_clipped", "nominal_attractive")
@@ -241,6 +242,18 @@ class Setup:
         Time between samples of the worn volume, s.
     duration : float or None
         If given, the simulated time (to the nearest sample), s, whatever the standard error.
+    geometry : object or None
+        Description of a geometry in place of the plate, of `abradem.geometry.kinds` or as plain
+        values. `abradem.geometry.build.prepared` makes ``surface`` and ``feed`` from it, which
+        the engine needs; `abradem.simulate` does so.
+    surface : Surface or None
+        Triangulated surface in place of the plate, in the coordinates of the simulation. The
+        material of the plate is that of the surface; the angle of the plate has no effect.
+    feed : Feed or None
+        Factory patch anywhere, in place of the one above the origin; needs a surface.
+    removal_box : tuple of tuple of float or None
+        Lowest and highest corner of the box outside which particles are removed, m; needs a
+        surface. None means the level ``removal_depth`` below the lowest point of the surface.
     """
 
     plate_length: float = 0.3
@@ -265,6 +278,10 @@ class Setup:
     target_stderr: float = 0.02
     sample_interval: float = 0.02
     duration: float | None = None
+    geometry: object | None = None
+    surface: Surface | None = None
+    feed: Feed | None = None
+    removal_box: tuple | None = None
 
     def __post_init__(self):
         _check_choice("stepping", self.stepping, STEPPINGS)
@@ -291,6 +308,23 @@ class Setup:
                 _check_number(name, getattr(self, name), above=0.0)
         if self.max_time <= self.window:
             raise ValueError(f"max_time = {self.max_time!r} must exceed window = {self.window!r}")
+        self._check_surface()
+
+    def _check_surface(self):
+        if self.surface is None:
+            for name in ("feed", "removal_box"):
+                if getattr(self, name) is not None:
+                    raise ValueError(f"{name} is given, but no surface; allowed is both or neither")
+            return
+        check_surface(self.surface)
+        if self.feed is not None:
+            check_feed(self.feed)
+        if self.removal_box is not None:
+            box = np.asarray(self.removal_box, dtype=float)
+            if box.shape != (2, 3) or not np.all(box[0] < box[1]):
+                raise ValueError(
+                    f"removal_box = {self.removal_box!r} must be the lowest and the highest corner"
+                )
 
     @classmethod
     def from_dict(cls, values: Mapping) -> Setup:
@@ -364,7 +398,8 @@ class SimulationResult:
     present : ndarray of int, shape (n,)
         Number of particles present.
     facet_wear : ndarray, shape (3, nx, nz)
-        F_n ds per facet in the time of ``window``, J.
+        F_n ds per facet in the time of ``window``, J. Here and in the next two arrays, the cells
+        of a surface are one axis, (t,) in place of (nx, nz).
     facet_wear_parts : ndarray, shape (parts, 3, nx, nz)
         F_n ds per facet in each of the equal parts of the window, J; their sum is ``facet_wear``.
         No parts if the window was not completed.
@@ -394,6 +429,10 @@ class SimulationResult:
         Number of particles released and removed.
     energy : dict
         Balance of mechanical energy, J: ``inserted``, ``removed``, ``resident``, ``dissipated``.
+        What moving parts of a surface do counts as inserted.
+    cell_sums, cell_sums_all : ndarray, shape (6, t)
+        Sums per cell of a surface, in the order of `abradem.dem.surface.CELL_SUMS`, in the time of
+        ``window`` and from the start to the end; shape (0, nx, nz) for the plate.
     """
 
     case: Case
@@ -421,6 +460,8 @@ class SimulationResult:
     released: int
     removed: int
     energy: dict
+    cell_sums: np.ndarray
+    cell_sums_all: np.ndarray
 
     def __repr__(self) -> str:
         return (

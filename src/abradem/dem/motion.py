@@ -148,37 +148,79 @@ def _load(particle, fn, n, ft, arm):
 
 @kernel(inline=True)
 def touch_plate(problem, particle, tally, facet_wear):
-    """Contact of a particle with the plate: force, torque and wear of this step.
-
-    Wear is F_n ds for an Archard constant of 1 (Archard 1953, J. Appl. Phys. 24:981).
-    """
-    radius, dt, law = problem.radius, problem.dt, problem.plate_law
+    """Contact of a particle with the plate: force, torque and wear of this step."""
     distance, n, along, across, on_face = plate_distance(
         problem.plate, particle.x, particle.y, particle.z
     )
-    overlap = radius - distance
-    touched = particle.plate_stiffness != 0.0
-    if overlap <= 0.0 and not touched:
+    overlap = problem.radius - distance
+    if overlap <= 0.0 and particle.plate_stiffness == 0.0:
         return
+    total, sliding, friction, _, _, _, _ = press(
+        problem, particle, particle, tally, overlap, n, (0.0, 0.0, 0.0), on_face
+    )
+    ix, iz = facet_of(problem.plate, along, across)
+    facet_wear[0, ix, iz] += total
+    facet_wear[1, ix, iz] += sliding
+    facet_wear[2, ix, iz] += friction
 
+
+@kernel(inline=True)
+def press(problem, particle, memory, tally, overlap, n, wall, on_face):
+    """Contact of a particle with a wall: force, torque and wear of this step, and its memory.
+
+    Wear is F_n ds for an Archard constant of 1 (Archard 1953, J. Appl. Phys. 24:981).
+
+    Parameters
+    ----------
+    problem : Problem
+    particle : record of PARTICLE
+    memory : record
+        With the fields of the contact with the plate in PARTICLE. In the step that ends a contact
+        the overlap is not positive.
+    tally : record of TALLY
+    overlap : float
+        m.
+    n : tuple of float
+        Unit normal towards the particle.
+    wall : tuple of float
+        Velocity of the wall at the contact, m/s.
+    on_face : bool
+        Whether the contact is on the face of the wall, not on an edge.
+
+    Returns
+    -------
+    tuple of float
+        Wear by the three measures, J; work that normal and tangential force exchange, as absolute
+        values, J; normal impulse, N s; work that the wall does on the particle by its motion, J.
+    """
+    radius, dt, law = problem.radius, problem.dt, problem.plate_law
+    touched = memory.plate_stiffness != 0.0
     wake(problem, particle, tally.step)
     half_speed, slide = split(
         _point_velocity(
-            (particle.half_vx, particle.half_vy, particle.half_vz),
+            (
+                particle.half_vx - wall[0],
+                particle.half_vy - wall[1],
+                particle.half_vz - wall[2],
+            ),
             (particle.half_wx, particle.half_wy, particle.half_wz),
             radius,
             n,
         ),
         n,
     )
-    fn_old = particle.plate_fn
-    ft_old = (particle.plate_tx, particle.plate_ty, particle.plate_tz)
+    fn_old = memory.plate_fn
+    ft_old = (memory.plate_tx, memory.plate_ty, memory.plate_tz)
     fn, ft, spring = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     stiffness, stored, slip_now = 0.0, 0.0, 0.0
     if overlap > 0.0:
         speed, slip = split(
             _point_velocity(
-                (particle.next_vx, particle.next_vy, particle.next_vz),
+                (
+                    particle.next_vx - wall[0],
+                    particle.next_vy - wall[1],
+                    particle.next_vz - wall[2],
+                ),
                 (particle.next_wx, particle.next_wy, particle.next_wz),
                 radius,
                 n,
@@ -187,13 +229,13 @@ def touch_plate(problem, particle, tally, facet_wear):
         )
         share = 1.0
         if touched:
-            spring = rotated((particle.plate_sx, particle.plate_sy, particle.plate_sz), n)
+            spring = rotated((memory.plate_sx, memory.plate_sy, memory.plate_sz), n)
         else:
             share = entry_share(overlap, -half_speed * dt)
         du = scaled(slide, dt * share)
         fn, s, q = normal_force(law, overlap, speed)
         ft, spring, stiffness, stored, slip_now = tangential_force(
-            law, fn, s, q, spring, particle.plate_stiffness, du, slip
+            law, fn, s, q, spring, memory.plate_stiffness, du, slip
         )
         _load(particle, fn, n, ft, radius)
         particle.rolling += law.rolling_friction * max(fn, 0.0) * radius
@@ -208,26 +250,32 @@ def touch_plate(problem, particle, tally, facet_wear):
     # Without friction every contact slides: the other two wear measures tend to the total.
     sliding, friction = total, total
     mu = law.static_friction
+    work_old, work = -dot(ft_old, slide) * dt, -dot(ft, slide) * dt
     if mu > 0.0:
         per_mu = 1.0 / mu
-        work_old, work = -dot(ft_old, slide) * dt, -dot(ft, slide) * dt
-        slipped = particle.plate_slip * max(work_old, 0.0) + slip_now * max(work, 0.0)
+        slipped = memory.plate_slip * max(work_old, 0.0) + slip_now * max(work, 0.0)
         sliding = 0.5 * slipped * per_mu
-        friction = (0.5 * (work_old + work) - (stored - particle.plate_energy)) * per_mu
-    ix, iz = facet_of(problem.plate, along, across)
-    facet_wear[0, ix, iz] += total
-    facet_wear[1, ix, iz] += sliding
-    facet_wear[2, ix, iz] += friction
+        friction = (0.5 * (work_old + work) - (stored - memory.plate_energy)) * per_mu
     tally.worn_total += total
     tally.worn_sliding += sliding
     tally.worn_friction += friction
 
-    particle.plate_stiffness = stiffness
-    particle.plate_sx, particle.plate_sy, particle.plate_sz = spring
-    particle.plate_fn = fn
-    particle.plate_tx, particle.plate_ty, particle.plate_tz = ft
-    particle.plate_energy = stored
-    particle.plate_slip = slip_now
+    memory.plate_stiffness = stiffness
+    memory.plate_sx, memory.plate_sy, memory.plate_sz = spring
+    memory.plate_fn = fn
+    memory.plate_tx, memory.plate_ty, memory.plate_tz = ft
+    memory.plate_energy = stored
+    memory.plate_slip = slip_now
+    twice = plus((ft[0] + ft_old[0], ft[1] + ft_old[1], ft[2] + ft_old[2]), fn + fn_old, n)
+    return (
+        total,
+        sliding,
+        friction,
+        0.5 * abs(fn_old + fn) * abs(half_speed) * dt,
+        0.5 * abs(work_old + work),
+        0.5 * (fn_old + fn) * dt,
+        0.5 * dot(twice, wall) * dt,
+    )
 
 
 @kernel(inline=True)
@@ -278,10 +326,22 @@ def touch_pair(problem, pair, a, b, distance, n, tally):
 
 
 @kernel(inline=True)
+def is_outside(box, particle):
+    """Whether a particle is outside the box in which particles are kept."""
+    if box is None:
+        return False
+    return (
+        particle.x < box.low_x or particle.x > box.high_x
+        or particle.y > box.high_y
+        or particle.z < box.low_z or particle.z > box.high_z
+    )  # fmt: skip
+
+
+@kernel(inline=True)
 def remove_if_fallen(problem, particle, tally):
-    """Remove a particle that has fallen below the removal level."""
+    """Remove a particle that has fallen below the removal level or left the box."""
     # A particle with a position of nan stays, so that the guard finds it.
-    if not particle.y < problem.removal_height:
+    if not (particle.y < problem.removal_height or is_outside(problem.box, particle)):
         return
     tally.energy_out += energy_of(problem, particle, tally.step)
     tally.kinetic_out += kinetic_energy_of(problem, particle, tally.step)

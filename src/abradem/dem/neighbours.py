@@ -12,6 +12,7 @@ import numpy as np
 
 from abradem.dem.bounds import centre_distance2
 from abradem.dem.cache import kernel
+from abradem.dem.mesh import move_walls
 from abradem.dem.state import GONE, SKIN
 
 CELLS_PER_PARTICLE = 8
@@ -185,6 +186,7 @@ def compact(state):
         if particles[i].motion != GONE:
             target[i] = kept
             particles[kept] = particles[i]
+            move_walls(state.mesh, i, kept)
             kept += 1
     kept_pairs = 0
     for p in range(tally.pairs):

@@ -19,11 +19,14 @@ from abradem.dem.state import (
     STOP_REASONS,
     Problem,
     Schedule,
+    State,
     grown,
+    lowest_point,
     make_problem,
     make_state,
 )
 from abradem.dem.stop import StopRule
+from abradem.dem.surface import Surface
 from abradem.elastic import hertz_duration, sphere_volume
 
 FIRST_CAPACITY = 64
@@ -37,6 +40,9 @@ the plate. A case beyond it is refused: its wear would be wrong without a sign o
 JUDGED_ANGLES = (10.0, 80.0)
 """Angles from the normal, degrees, between which the first impact is judged. Nearer to the normal
 its wear tends to zero and the bias to a constant."""
+
+SURFACE_ANGLES = (20.0, 45.0, 70.0)
+"""Angles at which the first impact on a surface is judged, degrees."""
 
 FEWEST_STEPS_PER_CONTACT = 5.0
 MOST_STEPS_PER_CONTACT = 1e5
@@ -82,8 +88,8 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     setup = Setup() if setup is None else setup
     problem, schedule = make_problem(case, setup, releases)
     _check_step(case, problem, schedule, setup)
-    _check_size(problem, setup)
-    engine = Engine(problem, schedule, setup.stepping)
+    _check_size(case, problem, setup)
+    engine = Engine(problem, schedule, setup.stepping, setup.surface)
     sample_steps = max(1, round(setup.sample_interval / problem.dt))
     interval = sample_steps * problem.dt
     rule = StopRule(setup, interval, 0.0 if problem.scheduled else 1.0 / problem.rate)
@@ -94,7 +100,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
 
     time = np.arange(count + 1) * interval
     record = make_record(count)
-    maps = [engine.state.facet_wear.copy()]
+    maps = [_map(engine.state)]
     status = "ok"
     if setup.duration is not None:
         rule.next_look = count + 1
@@ -117,7 +123,7 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
             status = _status(outcome, record)
             break
         if sample % rule.map_samples == 0:
-            maps.append(engine.state.facet_wear.copy())
+            maps.append(_map(engine.state))
         if progress is not None:
             progress(float(time[sample]))
         if sample >= rule.next_look and rule.ends(*_past(record, time, sample)):
@@ -125,6 +131,13 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     return _result(
         case, setup, problem, engine.state, status, time[: sample + 1], record, maps, rule
     )
+
+
+def _map(state: State) -> np.ndarray:
+    """Copy of the wear of all facets, and of the other sums of the cells of a surface."""
+    if state.mesh is None:
+        return state.facet_wear.copy()
+    return np.concatenate([state.facet_wear[:, :, 0], state.mesh.sums])
 
 
 def _status(outcome: int | str, record: Record) -> str:
@@ -138,9 +151,11 @@ def _status(outcome: int | str, record: Record) -> str:
 class Engine:
     """A state and the stepping that advances it; the arrays grow as needed."""
 
-    def __init__(self, problem: Problem, schedule: Schedule, stepping: str):
+    def __init__(
+        self, problem: Problem, schedule: Schedule, stepping: str, surface: Surface | None = None
+    ):
         self.problem, self.schedule = problem, schedule
-        self.state = make_state(problem, FIRST_CAPACITY)
+        self.state = make_state(problem, FIRST_CAPACITY, surface)
         # Only the stepping by islands needs an agenda.
         self.agenda = make_agenda(problem, FIRST_CAPACITY) if stepping == "islands" else None
 
@@ -195,9 +210,9 @@ class Engine:
 
 def _check_step(case: Case, problem: Problem, schedule: Schedule, setup: Setup) -> None:
     """Raise if the time step does not resolve a contact or is far too short."""
-    fastest, angle = _fall_speed(problem, setup), abs(case.plate_angle)
+    fastest, angle = _fall_speed(case, problem, setup), abs(case.plate_angle)
     if problem.scheduled and schedule.velocity.size:
-        fastest, angle = _fastest_release(problem, schedule, setup)
+        fastest, angle = _fastest_release(problem, schedule, lowest_point(case, setup))
     if fastest == 0.0:
         return
     steps = hertz_duration(problem.plate_law.kn, problem.mass, fastest) / problem.dt
@@ -213,7 +228,9 @@ def _check_step(case: Case, problem: Problem, schedule: Schedule, setup: Setup) 
             f"{fastest:.3g} m/s; at most {MOST_STEPS_PER_CONTACT:g} are allowed"
         )
     if steps < CONVERGED_STEPS:
-        _check_bias(case, problem, setup, fastest, angle, steps)
+        # A surface is met at any angle.
+        for judged in (angle,) if setup.surface is None else SURFACE_ANGLES:
+            _check_bias(case, problem, setup, fastest, judged, steps)
 
 
 def _check_bias(case, problem, setup, speed, angle, steps) -> None:
@@ -233,12 +250,11 @@ def _check_bias(case, problem, setup, speed, angle, steps) -> None:
             )
 
 
-def _fastest_release(problem: Problem, schedule: Schedule, setup: Setup) -> tuple[float, float]:
+def _fastest_release(problem: Problem, schedule: Schedule, lowest: float) -> tuple[float, float]:
     """Return speed (m/s) and angle from the normal of the plate (deg) of the fastest release.
 
-    They are those at the height of the lowest point of the plate.
+    They are those at the height of the lowest point of the plate or the surface.
     """
-    lowest = problem.removal_height + setup.removal_depth
     heights = np.maximum(schedule.position[:, 1] - lowest, 0.0)
     with np.errstate(over="ignore"):
         speeds2 = (schedule.velocity**2).sum(axis=1) + 2.0 * problem.gravity * heights
@@ -252,7 +268,7 @@ def _fastest_release(problem: Problem, schedule: Schedule, setup: Setup) -> tupl
     return speed, math.degrees(math.acos(min(abs(towards) / speed, 1.0)))
 
 
-def _check_size(problem: Problem, setup: Setup) -> None:
+def _check_size(case: Case, problem: Problem, setup: Setup) -> None:
     """Raise if the simulation would need too many samples or particles."""
     samples = _longest(setup) / max(setup.sample_interval, problem.dt)
     if samples > MOST_SAMPLES:
@@ -260,11 +276,11 @@ def _check_size(problem: Problem, setup: Setup) -> None:
             f"sample_interval = {setup.sample_interval:g} s gives {samples:.3g} samples in "
             f"{_longest(setup):g} s; at most {MOST_SAMPLES} are allowed"
         )
-    fastest = _fall_speed(problem, setup)
+    fastest, height = _fall_speed(case, problem, setup), _fall_height(case, problem, setup)
     if problem.scheduled or fastest == 0.0:
         return
     # Above the plate at once: the particles released during one fall, or those that fit there.
-    falling = min(problem.rate * setup.fall_height / fastest, _room(problem, setup))
+    falling = min(problem.rate * height / fastest, _room(problem, height))
     if falling > MOST_PARTICLES:
         raise ValueError(
             f"the feed of {problem.rate:.3g} particles per second of radius {problem.radius:g} m "
@@ -272,20 +288,28 @@ def _check_size(problem: Problem, setup: Setup) -> None:
         )
 
 
-def _fall_speed(problem: Problem, setup: Setup) -> float:
-    """Speed of a particle from the factory at the height of the centre of the plate, m/s."""
-    return math.sqrt(problem.release_speed**2 + 2.0 * problem.gravity * setup.fall_height)
+def _fall_height(case: Case, problem: Problem, setup: Setup) -> float:
+    """Height of the factory above the centre of the plate or the lowest point of a surface, m."""
+    if setup.surface is None:
+        return setup.fall_height
+    return max(problem.patch_height - lowest_point(case, setup), 0.0)
+
+
+def _fall_speed(case: Case, problem: Problem, setup: Setup) -> float:
+    """Speed of a particle from the factory after its fall, m/s."""
+    height = _fall_height(case, problem, setup)
+    return math.sqrt(case.particle_velocity_y**2 + 2.0 * problem.gravity * height)
 
 
 def _longest(setup: Setup) -> float:
     return setup.max_time if setup.duration is None else setup.duration
 
 
-def _room(problem: Problem, setup: Setup) -> float:
+def _room(problem: Problem, height: float) -> float:
     """Number of particles that fit between patch and plate: volume over that of a particle."""
     sides = (
         side + 2.0 * problem.radius
-        for side in (setup.patch_length, setup.patch_width, setup.fall_height)
+        for side in (2.0 * problem.patch_half_length, 2.0 * problem.patch_half_width, height)
     )
     return math.prod(sides) / sphere_volume(problem.radius)
 
@@ -301,14 +325,16 @@ def _result(
 ) -> SimulationResult:
     steady = rule.steady(*_past(record, time, len(time) - 1))
     complete = steady.complete(len(maps))
+    last = _map(state)
     if complete:
-        facet_wear = maps[steady.last_map] - maps[steady.first_map]
+        windowed = maps[steady.last_map] - maps[steady.first_map]
         parts = np.diff(maps[steady.first_map : steady.last_map + 1], axis=0)
         window = (steady.start, steady.window_end)
     else:
-        facet_wear = np.full_like(state.facet_wear, np.nan)
-        parts = np.empty((0, *state.facet_wear.shape))
+        windowed = np.full_like(last, np.nan)
+        parts = np.empty((0, *last.shape))
         window = (math.nan, math.nan)
+    measures = len(state.facet_wear)
     tally = state.tally[0]
     ended = int(tally["face"] + tally["edge"] + tally["missed"])
     simulated = float(time[-1])
@@ -326,9 +352,11 @@ def _result(
         worn=record.worn[past],
         delivered_mass=delivered,
         present=record.present[past],
-        facet_wear=facet_wear,
-        facet_wear_parts=parts,
-        facet_wear_all=state.facet_wear.copy(),
+        facet_wear=windowed[:measures],
+        facet_wear_parts=parts[:, :measures],
+        facet_wear_all=last[:measures],
+        cell_sums=windowed[measures:],
+        cell_sums_all=last[measures:],
         window=window,
         steady_from=steady.start if complete else math.nan,
         settled=steady.settled,

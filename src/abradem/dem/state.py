@@ -15,8 +15,10 @@ import numpy as np
 
 from abradem.dem.cache import kernel
 from abradem.dem.contact import Law, make_law
+from abradem.dem.mesh import Mesh, grown_mesh, make_mesh
 from abradem.dem.model import Case, Setup
 from abradem.dem.plate import Plate, make_plate
+from abradem.dem.surface import Surface
 from abradem.dem.vectors import fma
 from abradem.elastic import sphere_mass
 
@@ -51,6 +53,16 @@ STOP_REASONS = {
 }
 
 
+class Box(NamedTuple):
+    """Walls of the box in which particles are kept; its bottom is the removal level, m."""
+
+    low_x: float
+    high_x: float
+    high_y: float
+    low_z: float
+    high_z: float
+
+
 class Problem(NamedTuple):
     """Constants of a simulation, SI."""
 
@@ -72,12 +84,18 @@ class Problem(NamedTuple):
     rate: float
     retry_steps: int
     seed: int
-    patch_cos: float
-    patch_sin: float
+    # Factory patch: centre, unit vectors of its edges, half of their lengths, and velocity of the
+    # particles released.
+    patch_x: float
+    patch_height: float
+    patch_z: float
+    patch_along: tuple[float, float, float]
+    patch_across: tuple[float, float, float]
     patch_half_length: float
     patch_half_width: float
-    patch_height: float
-    release_speed: float
+    release_velocity: tuple[float, float, float]
+    # With a surface: the box outside which particles are removed. None: there is the level alone.
+    box: Box | None
 
 
 class Schedule(NamedTuple):
@@ -147,13 +165,16 @@ class State(NamedTuple):
     particles : ndarray of PARTICLE, shape (capacity,)
     pairs : ndarray of PAIR, shape (capacity * PAIRS_PER_PARTICLE,)
     facet_wear : ndarray, shape (3, nx, nz)
-        Wear of each facet by wear measure, W = 1, J.
+        Wear of each facet by wear measure, W = 1, J; shape (3, t, 1) with a surface.
+    mesh : Mesh or None
+        Surface in place of the plate.
     """
 
     tally: np.ndarray
     particles: np.ndarray
     pairs: np.ndarray
     facet_wear: np.ndarray
+    mesh: Mesh | None
 
 
 def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Schedule]:
@@ -178,15 +199,16 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
     ValueError
         If the releases have other shapes, are not finite or do not ascend in time from 0 on.
     """
+    if setup.geometry is not None and setup.surface is None:
+        raise ValueError(
+            "the set-up has a geometry but no surface; abradem.geometry.build.prepared makes it"
+        )
     radius = case.particle_radius
     mass = sphere_mass(radius, case.particle_density)
     dt = setup.time_step
     if dt is None:
         dt = setup.time_step_fraction * case.particle.rayleigh_time(radius)
     pair = setup.pair_interaction or case.interaction
-    angle = math.radians(case.plate_angle)
-    lowest = -0.5 * setup.plate_length * abs(math.sin(angle))
-    patch_height, tilt = setup.patch_place(case.factory_angle)
     rate = setup.number_rate if setup.number_rate is not None else setup.mass_rate / mass
     problem = Problem(
         dt=dt,
@@ -203,19 +225,77 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
         pair_law=make_law(
             case.particle, case.particle, pair, setup.contact, 0.5 * radius, 0.5 * mass
         ),
-        removal_height=lowest - setup.removal_depth,
+        removal_height=_removal_height(case, setup),
         scheduled=releases is not None,
         rate=rate,
         retry_steps=max(1, round(RETRY / dt)),
         seed=case.seed,
-        patch_cos=math.cos(math.radians(tilt)),
-        patch_sin=math.sin(math.radians(tilt)),
-        patch_half_length=0.5 * setup.patch_length,
-        patch_half_width=0.5 * setup.patch_width,
-        patch_height=patch_height,
-        release_speed=case.particle_velocity_y,
+        **_patch(case, setup),
+        box=_box(setup),
     )
     return problem, _schedule(releases, dt)
+
+
+def lowest_point(case: Case, setup: Setup) -> float:
+    """Return the height of the lowest point of the plate or the surface, m."""
+    if setup.surface is not None:
+        return float(setup.surface.vertices[setup.surface.triangles, 1].min())
+    return -0.5 * setup.plate_length * abs(math.sin(math.radians(case.plate_angle)))
+
+
+def _removal_height(case: Case, setup: Setup) -> float:
+    if setup.removal_box is not None:
+        return setup.removal_box[0][1]
+    return lowest_point(case, setup) - setup.removal_depth
+
+
+def _box(setup: Setup) -> Box | None:
+    """Return the box of a set-up with a surface, by default without walls."""
+    if setup.surface is None:
+        return None
+    if setup.removal_box is None:
+        endless = np.inf
+        return Box(-endless, endless, endless, -endless, endless)
+    low, high = setup.removal_box
+    return Box(low[0], high[0], high[1], low[2], high[2])
+
+
+def _patch(case: Case, setup: Setup) -> dict:
+    """Return the fields of `Problem` for the factory patch."""
+    speed = case.particle_velocity_y
+    feed = setup.feed
+    if feed is not None:
+        length, along = _length_and_direction(feed.along)
+        width, across = _length_and_direction(feed.across)
+        _, direction = _length_and_direction(feed.direction)
+        return {
+            "patch_x": float(feed.centre[0]),
+            "patch_height": float(feed.centre[1]),
+            "patch_z": float(feed.centre[2]),
+            "patch_along": along,
+            "patch_across": across,
+            "patch_half_length": 0.5 * length,
+            "patch_half_width": 0.5 * width,
+            "release_velocity": tuple(abs(speed) * share for share in direction),
+        }
+    height, tilt = setup.patch_place(case.factory_angle)
+    return {
+        "patch_x": 0.0,
+        "patch_height": height,
+        "patch_z": 0.0,
+        "patch_along": (math.cos(math.radians(tilt)), math.sin(math.radians(tilt)), 0.0),
+        "patch_across": (0.0, 0.0, 1.0),
+        "patch_half_length": 0.5 * setup.patch_length,
+        "patch_half_width": 0.5 * setup.patch_width,
+        "release_velocity": (0.0, speed, 0.0),
+    }
+
+
+def _length_and_direction(vector) -> tuple[float, tuple[float, float, float]]:
+    """Return the length of a vector, and the unit vector along it; (1, 0, 0) without length."""
+    x, y, z = (float(number) for number in vector)
+    length = math.hypot(x, y, z)
+    return length, (x / length, y / length, z / length) if length else (1.0, 0.0, 0.0)
 
 
 def _schedule(releases, dt):
@@ -236,13 +316,22 @@ def _schedule(releases, dt):
     return Schedule(np.rint(times / dt).astype(np.int64), *vectors)
 
 
-def make_state(problem: Problem, capacity: int) -> State:
-    """Return an empty state with room for ``capacity`` particles."""
+def make_state(problem: Problem, capacity: int, surface: Surface | None = None) -> State:
+    """Return an empty state with room for ``capacity`` particles.
+
+    ``surface`` is that of the set-up from which the problem was made.
+    """
+    shape = (problem.plate.facets_x, problem.plate.facets_z)
+    mesh = None
+    if surface is not None:
+        mesh = make_mesh(surface, problem.radius, capacity)
+        shape = (len(mesh.normals), 1)
     return State(
         tally=np.zeros(1, TALLY),
         particles=np.zeros(capacity, PARTICLE),
         pairs=np.zeros(capacity * PAIRS_PER_PARTICLE, PAIR),
-        facet_wear=np.zeros((len(WORN), problem.plate.facets_x, problem.plate.facets_z)),
+        facet_wear=np.zeros((len(WORN), *shape)),
+        mesh=mesh,
     )
 
 
@@ -252,7 +341,7 @@ def grown(state: State, capacity: int) -> State:
     particles[: state.particles.size] = state.particles
     pairs = np.zeros(capacity * PAIRS_PER_PARTICLE, PAIR)
     pairs[: state.pairs.size] = state.pairs
-    return state._replace(particles=particles, pairs=pairs)
+    return state._replace(particles=particles, pairs=pairs, mesh=grown_mesh(state.mesh, capacity))
 
 
 @kernel(inline=True)

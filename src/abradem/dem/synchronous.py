@@ -7,6 +7,7 @@ import math
 from abradem.dem.borrow import borrowed_state
 from abradem.dem.cache import kernel
 from abradem.dem.factory import release_due
+from abradem.dem.mesh_contact import touch_surface
 from abradem.dem.motion import finish, move, remove_if_fallen, touch_pair, touch_plate
 from abradem.dem.neighbours import append_pairs, compact, rebuild_pairs
 from abradem.dem.plate import height_over
@@ -61,7 +62,7 @@ def _steps(problem, state, last_step):
     a separate loop, because the processor overlaps the iterations of short loops better.
     """
     state = borrowed_state(state)
-    tally, particles, facet_wear = state.tally[0], state.particles, state.facet_wear
+    tally, particles = state.tally[0], state.particles
     outcome = DONE
     finishing, moving = False, True
     while True:
@@ -83,12 +84,7 @@ def _steps(problem, state, last_step):
             least_z, most_z = min(least_z, dz), max(most_z, dz)
         if not moving:
             return outcome
-        for i in range(tally.live):
-            particle = particles[i]
-            height = height_over(problem.plate, particle.x, particle.y)
-            near = abs(height) < problem.radius or particle.plate_stiffness != 0.0
-            if near and particle.motion != GONE:
-                touch_plate(problem, particle, tally, facet_wear)
+        _touch_walls(problem, state, state.mesh)
         # Two particles approach at most by the difference of their displacements, so a jet that
         # falls on particles at rest counts once, not twice.
         spread2 = (most_x - least_x) ** 2 + (most_y - least_y) ** 2 + (most_z - least_z) ** 2
@@ -100,6 +96,21 @@ def _steps(problem, state, last_step):
         if tally.largest_overlap / problem.radius > OVERLAP_STOP:
             outcome = STOP_OVERLAP
         finishing, moving = True, tally.step < last_step and outcome == DONE
+
+
+@kernel(inline=True)
+def _touch_walls(problem, state, mesh):
+    """Contacts with the plate or, if there is one, with the surface."""
+    tally, particles, facet_wear = state.tally[0], state.particles, state.facet_wear
+    if mesh is not None:
+        touch_surface(problem, state, mesh, tally.step + 1)
+        return
+    for i in range(tally.live):
+        particle = particles[i]
+        height = height_over(problem.plate, particle.x, particle.y)
+        near = abs(height) < problem.radius or particle.plate_stiffness != 0.0
+        if near and particle.motion != GONE:
+            touch_plate(problem, particle, tally, facet_wear)
 
 
 @kernel(inline=True)

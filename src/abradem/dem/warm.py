@@ -5,15 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 from abradem.dem import simulate, single_impact
-from abradem.dem.cache import cache_folder
 from abradem.dem.model import STEPPINGS, Case, Setup
 
 CASE = Case(6e9, 0.25, 2500, 77e9, 0.3, 7800, 0.5, 0.05, 0.45, 1e-9, 45.0, 0.0, 0.02, -5.0)
-
-
-def is_compiled(stepping: str) -> bool:
-    """Whether the kernels of a stepping are in the cache of this version of the engine."""
-    return any(cache_folder().glob(f"**/{stepping}.advance-*.nbi"))
 
 
 @cache

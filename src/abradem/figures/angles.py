@@ -62,7 +62,8 @@ def angles_figure(
         radius, speed = 1e3 * case["particle_radius"], case["particle_velocity_y"]
         style.caption(
             figure,
-            f"wear measure: {measure}; {symbol['particle_radius']} = {radius:g} mm, "
+            f"wear measure: {measure}, mean over the plate; "
+            f"{symbol['particle_radius']} = {radius:g} mm, "
             f"{symbol['particle_velocity_y']} = {style.number(speed)} m/s; unless varied, "
             f"{symbol['plate_angle']} = {style.number(case['plate_angle'])}° and "
             f"{symbol['factory_angle']} = {style.number(case['factory_angle'])}°; "
@@ -73,30 +74,20 @@ def angles_figure(
 
 
 def _curves_panel(panel, index, curves, varied, power) -> None:
-    angles = list(dict.fromkeys(curves["angle"]))
+    angles = sorted(set(curves["angle"]))
     shades = mpl.colormaps[SHADES](np.linspace(0.0, 0.9, len(angles)))
     tex = LABELS[varied].tex
-    ends = []
-    for index_of_angle, (shade, angle) in enumerate(zip(shades, angles, strict=True)):
+    most = 1e-300
+    for shade, angle in zip(shades, angles, strict=True):
         rows = curves[curves["angle"] == angle]
         depth = rows["wear_depth"].to_numpy() / 10.0**power
-        # Every other curve is dashed, so that both of two coinciding curves are visible.
-        panel.plot(
-            rows["time"], depth, color=shade, lw=1.2, ls=("-", "--")[index_of_angle % 2],
-            label=f"{style.number(angle)}°",
-        )  # fmt: skip
-        ends.append(depth[-1])
+        panel.plot(rows["time"], depth, color=shade, lw=1.2, label=f"{style.number(angle)}°")
+        most = max(most, depth[-1])
     panel.set_xlim(0.0, curves["time"].max())
-    panel.set_ylim(0.0, 1.08 * max(max(ends), 1e-300))
+    panel.set_ylim(0.0, 1.08 * most)
     panel.set_xlabel("Time (s)")
-    panel.set_ylabel(f"Mean depth ({style.scaled_unit(power, 'mm')})")
-    # Legend entries in the vertical order of the ends of the curves.
-    handles, labels = panel.get_legend_handles_labels()
-    order = np.argsort(ends)[::-1]
-    panel.legend(
-        [handles[i] for i in order], [labels[i] for i in order], title=f"${tex}$",
-        loc="upper left", ncols=1 + len(order) // 5, handlelength=1.4,
-    )  # fmt: skip
+    panel.set_ylabel(f"Wear depth ({style.scaled_unit(power, 'mm')})")
+    panel.legend(title=f"${tex}$", loc="upper left", ncols=1 + len(angles) // 5, handlelength=1.4)
     panel.set_title(f"{style.letter(index)} {LABELS[varied].long_name}", loc="left")
 
 
@@ -108,5 +99,5 @@ def _rates_panel(panel, index, rates, varied, power) -> None:
     )  # fmt: skip
     panel.set_ylim(0.0, 1.1 * max(float(ordered["rate"].max()) / 10.0**power, 1e-300))
     panel.set_xlabel(style.axis_label(varied))
-    panel.set_ylabel(f"Depth rate ({style.scaled_unit(power, 'mm/s')})")
+    panel.set_ylabel(f"Wear depth rate ({style.scaled_unit(power, 'mm/s')})")
     panel.set_title(f"{style.letter(index)} steady slope", loc="left")

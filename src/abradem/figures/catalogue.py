@@ -52,6 +52,7 @@ COMPONENTS, TREES, NETWORKS = "Principal components", "Trees", "Networks"
 PHYSICAL, ALL_MODELS = "Models on dimensionless groups", "All models"
 VERIFICATION = "Verification and performance"
 CALIBRATION = "Calibration to a table"
+SURFACE = "Wear of a surface"
 
 FIGURES: dict[str, Entry] = {
     "setup": Entry(
@@ -157,7 +158,7 @@ FIGURES: dict[str, Entry] = {
         COMPONENTS,
         "correlations",
         "pca:draw_correlations",
-        "Pearson correlations among X1 to X10 and among X11 to X21 (the wear), all cases. Derived "
+        "Pearson correlations of every pair of X1 to X21 (the wear), all cases. Derived "
         "features are correlated with the features they are functions of.",
         ALL_ROWS,
     ),
@@ -227,9 +228,17 @@ FIGURES: dict[str, Entry] = {
         "models on dimensionless groups",
         "physical:models_figure",
         "Models on dimensionless groups: R² on held-out cases compared with the best that any "
-        "model could reach, coverage of the intervals, R² against the number of training cases, "
-        "Sobol indices, and the power law.",
+        "model could reach, coverage of the intervals, and R² against the number of training "
+        "cases.",
         LEAKAGE_FREE,
+    ),
+    "power_law": Entry(
+        PHYSICAL,
+        "power law",
+        "physical:power_law_figure",
+        "The power law of the wear depth rate on dimensionless groups: its equation, and the "
+        "exponents of the quantities and of some groups.",
+        ALL_ROWS,
     ),
     "sensitivity": Entry(
         PHYSICAL,
@@ -278,6 +287,21 @@ FIGURES: dict[str, Entry] = {
         "The best agreement for each value of each unknown of the set-up, whatever the others are: "
         "what the table tells apart, and what not.",
         "rows of the first rung of the search",
+    ),
+    "surface": Entry(
+        SURFACE,
+        "wear of the surface",
+        "surface_map:draw_surface",
+        "Wear depth rate of every cell of the surface in the window after the transient, in space, "
+        "and of the parts that can be laid out flat, for the first case of "
+        "``figures.series_cases``.",
+    ),
+    "part_rates": Entry(
+        SURFACE,
+        "wear of the parts",
+        "part_rates:draw_part_rates",
+        "Wear depth rate of each named part of the surface against the quantities that varied, "
+        "those with the strongest rank correlation first.",
     ),
     "verification": Entry(
         VERIFICATION,

@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from abradem.figures import style
+from abradem.figures.score_axis import LEAST, MOST, label_scores, unexplained
 from abradem.learning.number_text import score_number
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 from abradem.words.labels import MODELS, PROTOCOLS
 
-LOWEST = -1.0
 SPLITS, FIXED = "repeated splits", "fixed split"
 
 
@@ -25,62 +25,78 @@ def comparison_figure(comparison: pd.DataFrame, beside_paper: pd.DataFrame, tabl
         From `abradem.learning.comparison`.
     table : str
         Name of the data set.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The scale is logarithmic in 1 - R2 and ends at R2 = -1, where arrowheads stand for what is
+        below. At the right: leakage-free R2.
     """
     models = list(beside_paper["model"])
     with style.style():
-        figure, (panel,) = style.panels(1, 1, 0.9 + 0.29 * len(models))
+        figure, (panel,) = style.panels(1, 1, 0.9 + 0.27 * len(models))
         places = np.arange(len(models))
-        lows = []
-        for shift, protocol, basis, marker in (
-            (-0.2, AS_PUBLISHED, FIXED, "o"),
-            (0.06, LEAKAGE_FREE, SPLITS, "s"),
-            (0.26, LEAKAGE_FREE, FIXED, "^"),
-        ):
-            rows = comparison[
-                (comparison["protocol"] == protocol) & (comparison["basis"] == basis)
-            ].set_index("model")
+        shown, below = [1.0], False
+        for shift, protocol, marker in ((-0.16, AS_PUBLISHED, "o"), (0.16, LEAKAGE_FREE, "s")):
+            rows = _of_protocol(comparison, protocol)
             for place, model in zip(places, models, strict=True):
-                if model not in rows.index:
-                    continue
-                row = rows.loc[model]
-                colour = style.PROTOCOL_COLOURS[protocol]
-                light = 0.45 if (protocol, basis) == (LEAKAGE_FREE, FIXED) else 1.0
-                if np.isfinite(row["r2_lower"]):
-                    ends = row[["r2_lower", "r2_upper"]].to_numpy(dtype=float)
-                    panel.plot(
-                        np.maximum(ends, LOWEST), [place + shift] * 2,
-                        color=colour, lw=1.2, alpha=light, clip_on=False,
-                    )  # fmt: skip
-                if row["r2"] >= LOWEST:
-                    panel.plot(row["r2"], place + shift, marker, ms=4.0, color=colour, alpha=light)
-                least = row[["r2", "r2_lower"]].min()
-                if least < LOWEST:
-                    panel.plot(LOWEST, place + shift, "<", ms=3.5, color=colour, alpha=light)
-                lows.append(least)
+                if model in rows.index:
+                    row, colour = rows.loc[model], style.PROTOCOL_COLOURS[protocol]
+                    below |= _interval(panel, row, place + shift, colour, marker)
+                    shown += [float(unexplained(row[name])) for name in ("r2", "r2_upper")]
         printed = beside_paper["printed_r2"].to_numpy(dtype=float)
-        panel.plot(printed, places - 0.2, "|", ms=9.0, mew=1.6, color=style.BLACK, zorder=3)
-        low = min([0.0, *(value for value in lows if np.isfinite(value)),
-                   *printed[np.isfinite(printed)]])  # fmt: skip
-        panel.set_xlim(max(low, LOWEST) - 0.05, 1.02)
-        panel.axvline(0.0, color=style.BLACK, lw=0.5)
+        panel.plot(
+            unexplained(printed), places - 0.16, "|", ms=8.0, mew=1.6, color=style.BLACK, zorder=3
+        )
+        ends = [MOST, max(0.7 * float(np.nanmin([*shown, *unexplained(printed)])), LEAST)]
+        panel.set_xscale("log")
+        panel.set_xlim(1.06 * ends[0], ends[1])
+        label_scores(panel.xaxis, ends[1], ends[0])
+        panel.axvline(1.0, color=style.BLACK, lw=0.5)
         panel.set_yticks(places, [MODELS.get(model, model) for model in models])
         panel.tick_params(axis="y", length=0)
         panel.set_ylim(len(models) - 0.45, -0.55)
+        for place, score in zip(places, beside_paper["leakage_free_r2"], strict=True):
+            panel.text(
+                1.01, place + 0.16, style.minus(score_number(score, missing="")), ha="left",
+                transform=panel.get_yaxis_transform(), va="center", fontsize=7.0,
+                color=style.PROTOCOL_COLOURS[LEAKAGE_FREE],
+            )  # fmt: skip
         panel.grid(axis="x", color=style.LIGHT_GREY, lw=0.5)
         panel.set_axisbelow(True)
-        panel.set_xlabel("$R^2$ on held-out rows")
-        figure.legend(handles=_handles(), loc="outside upper center", ncols=4)
+        panel.set_xlabel("$R^2$ on held-out rows (log scale of $1 - R^2$)")
+        figure.legend(handles=_handles(), loc="outside upper center", ncols=3)
         style.caption(
             figure,
             f"data set: {table}. As published: one split, choices made on all rows or on the test "
             f"rows ({optimistic(beside_paper)}the wrong target is the last component, not the "
-            "wear); interval: bootstrap of the test rows. Leakage-free: median and central share "
-            "of the repeated splits, and a bootstrap of the test rows of the first split, which "
-            "are the same for "
-            f"all models. Arrowhead: the interval extends below {style.minus(f'{LOWEST:g}')}; "
-            "without a marker the score does so too",
+            "wear); interval: bootstrap of the test rows. Leakage-free, with numbers: median and "
+            "central share of the repeated splits, which are the same for all models"
+            + ("; arrowheads: below the axis" if below else ""),
         )
     return figure
+
+
+def _of_protocol(comparison: pd.DataFrame, protocol: str) -> pd.DataFrame:
+    """Scores by model: on the repeated splits where there are any, otherwise on the first one."""
+    rows = comparison[comparison["protocol"] == protocol]
+    rows = rows[rows["basis"].isin((SPLITS, FIXED))].sort_values(
+        "basis", key=lambda basis: basis != SPLITS, kind="stable"
+    )
+    return rows.drop_duplicates("model").set_index("model")
+
+
+def _interval(panel, row: pd.Series, y: float, colour: str, marker: str) -> bool:
+    """Draw a score and its interval; return whether something is below the axis."""
+    ends = row[["r2_lower", "r2_upper"]].to_numpy(dtype=float)
+    if np.isfinite(ends).all() and ends[1] > 1.0 - MOST:
+        panel.plot(unexplained(ends), [y, y], color=colour, lw=1.2)
+    if row["r2"] >= 1.0 - MOST:
+        panel.plot(unexplained(row["r2"]), y, marker, ms=4.0, color=colour)
+    below = bool((np.array([row["r2"], *ends], dtype=float) < 1.0 - MOST).any())
+    if below:
+        panel.plot(MOST, y, "<", ms=4.0, color=colour, clip_on=False)
+    return below
 
 
 def optimistic(beside_paper: pd.DataFrame) -> str:
@@ -96,9 +112,7 @@ def _handles() -> list:
         Line2D([], [], marker="o", ms=4.0, color=style.PROTOCOL_COLOURS[AS_PUBLISHED],
                label="as published, reproduced"),
         Line2D([], [], marker="s", ms=4.0, color=style.PROTOCOL_COLOURS[LEAKAGE_FREE],
-               label="leakage-free, repeated splits"),
-        Line2D([], [], marker="^", ms=4.0, color=style.PROTOCOL_COLOURS[LEAKAGE_FREE], alpha=0.45,
-               label="leakage-free, first split"),
+               label="leakage-free"),
     ]  # fmt: skip
 
 
@@ -109,40 +123,43 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
     ----------
     predictions, comparison : pandas.DataFrame
         From `abradem.learning.comparison`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Both axes have the same scale, logarithmic if all simulated wear is positive. Triangles at
+        the edges stand for predictions beyond them, such as negative ones.
     """
     fixed = predictions[(predictions["repeat"] == 0) & (predictions["split"] == "test")]
     models = [model for model in MODELS if model in set(fixed["model"])]
     with style.style():
-        figure, axes = style.panels(len(models), 4, 2.0)
-        most = max(float(fixed["actual"].max()), 1e-300)
-        power = style.decade(most)
-        unit = 10.0**power
-        low = max(min(0.0, float(fixed["predicted"].min())), -0.4 * most)
-        high = max(min(float(fixed["predicted"].max()), 1.4 * most), most)
-        pad = 0.04 * (high - low)
-        ends = ((low - pad) / unit, (high + pad) / unit)
-        beyond = bool(((fixed["predicted"] < low) | (fixed["predicted"] > high)).any())
+        figure, axes = style.panels(len(models), 4, 2.15)
+        ends, logarithmic = _parity_ends(fixed["actual"].to_numpy(dtype=float))
+        power = 0 if logarithmic else style.decade(ends[1])
+        beyond = False
         for index, (panel, model) in enumerate(zip(axes, models, strict=True)):
             words = []
             for protocol, marker in ((AS_PUBLISHED, "x"), (LEAKAGE_FREE, "o")):
                 rows = fixed[(fixed["model"] == model) & (fixed["protocol"] == protocol)]
                 if rows.empty:
                     continue
-                predicted = rows["predicted"].clip(low, high) / unit
-                panel.plot(
-                    rows["actual"] / unit, predicted, marker, ms=2.6, mew=0.7,
-                    color=style.PROTOCOL_COLOURS[protocol], alpha=0.7, ls="",
-                )  # fmt: skip
+                colour = style.PROTOCOL_COLOURS[protocol]
+                beyond |= _parity(panel, rows, ends, 10.0**power, marker, colour)
                 found = comparison[
                     (comparison["model"] == model)
                     & (comparison["protocol"] == protocol)
                     & (comparison["basis"] == FIXED)
                 ]["r2"]
-                score = style.minus(score_number(found.iloc[0], 2, "undefined"))
+                score = style.minus(score_number(found.iloc[0], 3, "undefined"))
                 words.append(f"{PROTOCOLS[protocol]}: $R^2$ {score}")
-            panel.plot(ends, ends, color=style.BLACK, ls="--", lw=0.7, zorder=0)
-            panel.set_xlim(-0.04 * most / unit, ends[1])
-            panel.set_ylim(*ends)
+            if logarithmic:
+                panel.set_xscale("log")
+                panel.set_yscale("log")
+            shown = np.array(ends) / 10.0**power
+            panel.plot(shown, shown, color=style.BLACK, ls="--", lw=0.7, zorder=0)
+            panel.set_xlim(shown)
+            panel.set_ylim(shown)
+            panel.set_box_aspect(1.0)
             panel.set_title(
                 "\n".join([f"{style.letter(index)} {MODELS[model]}", *words]),
                 loc="left",
@@ -168,6 +185,35 @@ def predictions_figure(predictions: pd.DataFrame, comparison: pd.DataFrame) -> F
             figure,
             "wear depth rate of the test rows of one split; as published: 30 % of the rows for "
             "networks, 20 % for other models; leakage-free: the first split, the same rows for all "
-            "models" + ("; predictions beyond a panel are drawn at its edge" if beyond else ""),
+            "models; dashed: predicted equals simulated"
+            + ("; triangles: predictions beyond the axis" if beyond else "")
+            + (", also those that are not positive" if beyond and logarithmic else ""),
         )
     return figure
+
+
+def _parity_ends(actual: np.ndarray) -> tuple[tuple[float, float], bool]:
+    """Common ends of both axes, and whether these are logarithmic."""
+    low, high = float(actual.min()), max(float(actual.max()), 1e-300)
+    if low > 0.0:
+        return (low / 2.0, 2.0 * high), True
+    return (-0.4 * high, 1.4 * high), False
+
+
+def _parity(panel, rows: pd.DataFrame, ends, unit: float, marker: str, colour: str) -> bool:
+    """Draw the rows of a model; return whether predictions are beyond the ends."""
+    actual, predicted = (rows[name].to_numpy(dtype=float) for name in ("actual", "predicted"))
+    inside = (predicted >= ends[0]) & (predicted <= ends[1])
+    panel.plot(
+        actual[inside] / unit, predicted[inside] / unit, marker, ms=2.6, mew=0.7, color=colour,
+        alpha=0.7,
+    )  # fmt: skip
+    for end, shape in ((ends[0], "v"), (ends[1], "^")):
+        out = (predicted < end) if shape == "v" else (predicted > end)
+        # A line without points and without clipping would have no place in the layout.
+        if out.any():
+            panel.plot(
+                actual[out] / unit, np.full(out.sum(), end / unit), shape, ms=3.0, mew=0.0,
+                color=colour, alpha=0.7, clip_on=False,
+            )  # fmt: skip
+    return not inside.all()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyArrowPatch, FancyBboxPatch, Polygon
+from matplotlib.patches import FancyArrowPatch, FancyBboxPatch, Patch, Polygon
 from matplotlib.path import Path as Outline
 
 from abradem.dem.model import Setup
@@ -32,6 +32,12 @@ LANES = (
 """Titles of the columns of the workflow figure and the stages in each."""
 
 LAST_LANE = "figures, tables"
+
+_LANE_COLOURS = {
+    **dict(zip(dict(LANES), (style.BLUE, style.GREEN, style.RED), strict=True)),
+    LAST_LANE: style.GREY,
+}
+"""Colour of the boxes of a stage and of the lines that lead from them."""
 
 _METHODS = {
     "lhs": "Latin hypercube",
@@ -66,12 +72,23 @@ def generation_figure(
     needs = needs_of(graph)
     chain = _way_to("dataset", needs)
     with style.style():
-        height = 5.2 if setup else 0.9 + 0.75 * (1 + max(chain.values()))
+        height = 5.4 if setup else 1.1 + 0.75 * (1 + max(chain.values()))
         figure = Figure(figsize=(style.PAGE, height))
-        left = _canvas(figure, (0.0, 0.0, 0.44, 1.0))
+        foot = 0.25 / height
+        left = _canvas(figure, (0.0, foot, 0.44, 1.0 - foot))
         _generation(left, needs, chain, study)
+        kinds = {"data": "files", "step": "step"}
         if setup is not None:
-            _simulation(_canvas(figure, (0.46, 0.0, 0.54, 1.0)), setup)
+            _simulation(_canvas(figure, (0.46, foot, 0.54, 1.0 - foot)), setup)
+            kinds["choice"] = "decision"
+        figure.legend(
+            handles=[
+                Patch(facecolor=_TINT[kind], edgecolor=style.BLUE, lw=0.8, label=words)
+                for kind, words in kinds.items()
+            ],
+            loc="lower center",
+            ncols=3,
+        )
     return figure
 
 
@@ -89,8 +106,12 @@ def workflow_figure(graph: pd.DataFrame) -> Figure:
         Lines that cross a column have their own place in it, so that none runs behind a box.
     """
     needs = needs_of(graph)
-    titles, columns = zip(*_columns(graph, needs), strict=True)
-    layers, links = _with_passages(columns, needs)
+    used = set().union(*needs.values())
+    alone = sorted(rule for rule, near in needs.items() if not near and rule not in used)
+    drawn = graph[~graph["rule"].isin(alone)]
+    linked = {rule: near for rule, near in needs.items() if rule not in alone}
+    titles, columns = zip(*_columns(drawn, linked), strict=True)
+    layers, links = _with_passages(columns, linked)
     heights = _places(layers, links)
     with style.style():
         top = max(y for layer in heights for y in layer.values())
@@ -109,13 +130,12 @@ def workflow_figure(graph: pd.DataFrame) -> Figure:
                 panel.text(
                     right if at_edge else 0.5 * (lefts[number] + right),
                     top + lift + 0.28, title, ha="right" if at_edge else "center", va="center",
-                    fontsize=7.5, fontweight="bold",
+                    fontsize=7.5, fontweight="bold", color=_LANE_COLOURS[title],
                 )  # fmt: skip
-        feeding = {_maker(early) for early, _, _ in links}
-        makers = [rule for rules in columns for rule in rules if rule in feeding]
         shades = {
-            rule: style.PALETTE[index % (len(style.PALETTE) - 1)]
-            for index, rule in enumerate(makers)
+            rule: _LANE_COLOURS[title]
+            for title, rules in zip(titles, columns, strict=True)
+            for rule in rules
         }
         for early, late, column in links:
             # A line starts at the right edge of a box, or of the column for a passage.
@@ -135,12 +155,14 @@ def workflow_figure(graph: pd.DataFrame) -> Figure:
             for rule in rules:
                 _box(
                     panel, lefts[column] + 0.5 * widths[column], heights[column][rule] + lift,
-                    _box_width(rule), 0.17, _short(rule), edge=shades.get(rule, style.GREY),
+                    _box_width(rule), 0.17, _short(rule), edge=shades[rule],
                 )  # fmt: skip
-        panel.text(
-            0.5 * style.PAGE, 0.12, f"{len(needs)} rules; lines: dependencies, without those that "
-            "follow from others and those within the last column",
-            ha="center", va="center", fontsize=6.5, color=style.GREY,
+        style.caption(
+            figure,
+            f"{len(needs)} rules; colour: stage of the rule that makes the files; lines: "
+            "dependencies, without those that follow from others"
+            + (f"; not drawn, as they depend on no rule and no rule on them: {', '.join(alone)}"
+               if alone else ""),
         )  # fmt: skip
     return figure
 
@@ -277,8 +299,7 @@ def _columns(graph: pd.DataFrame, needs: Mapping[str, set[str]]) -> list[tuple[s
     for title, lane in lanes.items():
         levels: dict[int, list[str]] = {}
         for rule in lane:
-            level = 0 if title == LAST_LANE else depth(rule, lane)
-            levels.setdefault(level, []).append(rule)
+            levels.setdefault(depth(rule, lane), []).append(rule)
         columns += [(title, levels[level]) for level in sorted(levels)]
     return columns
 
@@ -335,8 +356,9 @@ def _generation(panel, needs, chain, study) -> None:
         wide = _WIDE if len(rows[chain[rule]]) == 1 else box[0]
         _box(panel, x, height_, wide, box[1], title, numbers.get(rule, leaves))
     end = y(levels - 2) - 0.5 * box[1]
+    _arrow(panel, (x_middle, end), (x_middle, end - 0.3))
     panel.text(
-        x_middle, 0.5 * end + 0.02, "learning, figures, tables, report", ha="center", va="center",
+        x_middle, end - 0.37, "learning, figures, tables, report", ha="center", va="center",
         fontsize=6.5, color=style.GREY,
     )  # fmt: skip
 

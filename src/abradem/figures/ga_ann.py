@@ -15,6 +15,10 @@ from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 from abradem.words.labels import PROTOCOLS
 
 LOWEST = -0.5
+_FITNESS = {
+    AS_PUBLISHED: "Fitness: $R^2$ on the test rows",
+    LEAKAGE_FREE: "Fitness: $R^2$ on validation rows",
+}
 
 
 def draw(
@@ -41,20 +45,23 @@ def search_figure(history: pd.DataFrame, scores: pd.DataFrame, summaries: dict) 
     protocols = [name for name in (AS_PUBLISHED, LEAKAGE_FREE) if name in summaries]
     with style.style():
         figure, axes = style.panels(4, 2, 2.2)
+        lows = [
+            history.loc[history["protocol"] == name, "fitness"].quantile(0.03) for name in protocols
+        ]
+        low = max(float(min(lows)) - 0.05, LOWEST)
         for index, protocol in enumerate(protocols):
             rows = history[history["protocol"] == protocol]
-            _fitness_panel(axes[index], index, rows, summaries[protocol])
+            _fitness_panel(axes[index], index, rows, summaries[protocol], low)
         _size_panel(axes[2], summaries, protocols)
         _retrained_panel(axes[3], scores, protocols)
-        figure.legend(handles=_handles(protocols), loc="outside upper center", ncols=6)
+        figure.legend(handles=_handles(protocols), loc="outside upper center", ncols=5)
         style.caption(
             figure,
-            "fitness as published: $R^2$ on the test rows themselves; leakage-free: $R^2$ on "
-            "validation rows inside the training rows; networks below the axis are drawn at its "
-            "edge. (d) GA-ANN: network found; paper: 449-24-500-385; dots: trainings from "
-            "different initial weights, scored on the test rows; cross: fitness reported by the "
-            "search; diamond: final score (as published: best result on the test rows; "
-            "leakage-free: first training)",
+            "(a, b) networks below the axis are drawn at its edge. (d) GA-ANN: network found; "
+            "paper: 449-24-500-385. The fitness of the search and the final score belong to "
+            "different trainings of the network, and in the leakage-free search to different rows "
+            "(validation, test), so they differ; as published the final score is the best result "
+            "on the test rows, leakage-free it is that of the first training",
         )
     return figure
 
@@ -68,13 +75,18 @@ def _handles(protocols) -> list:
         Line2D([], [], color=style.BLACK, drawstyle="steps-post", label="best"),
         Line2D([], [], marker="o", ms=3.2, mfc="none", mew=0.8, color=style.BLACK, ls="",
                label="lineage of the best"),
+        Line2D([], [], marker="x", ms=5.0, mew=1.2, color=style.BLACK, ls="",
+               label="(d) fitness of the search"),
+        Line2D([], [], marker="D", ms=4.0, mew=1.2, mfc="none", color=style.BLACK, ls="",
+               label="(d) final score, test rows"),
+        Line2D([], [], marker="o", ms=2.8, color=style.GREY, alpha=0.5, ls="", mew=0,
+               label="(d) trained again, test rows"),
     ]  # fmt: skip
 
 
-def _fitness_panel(panel, index, rows, summary) -> None:
+def _fitness_panel(panel, index, rows, summary, low) -> None:
     protocol = summary["protocol"]
     colour = style.PROTOCOL_COLOURS[protocol]
-    low = max(float(rows["fitness"].quantile(0.03)) - 0.05, LOWEST)
     panel.scatter(
         rows["generation"] + 1, rows["fitness"].clip(lower=low), s=6, color=colour, alpha=0.35, lw=0
     )
@@ -90,7 +102,7 @@ def _fitness_panel(panel, index, rows, summary) -> None:
     panel.set_ylim(low - 0.04 * (1.0 - low), 1.0 + 0.02 * (1.0 - low))
     panel.set_xlabel("Generation")
     panel.xaxis.get_major_locator().set_params(integer=True)
-    panel.set_ylabel("Fitness ($R^2$)")
+    panel.set_ylabel(_FITNESS[protocol])
     layers = "-".join(map(str, summary["architecture"]))
     panel.set_title(
         f"{style.letter(index)} {PROTOCOLS[protocol]}: {layers}", loc="left", fontsize=7.0
@@ -146,4 +158,4 @@ def _retrained_panel(panel, scores, protocols) -> None:
     pad = 0.1 * (high - low) + 0.01
     panel.set_ylim(max(low, -2.0) - pad, high + pad)
     panel.set_ylabel("$R^2$")
-    panel.set_title(f"{style.letter(3)} retrained networks", loc="left", fontsize=7.0)
+    panel.set_title(f"{style.letter(3)} the networks trained again", loc="left", fontsize=7.0)

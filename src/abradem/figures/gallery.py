@@ -95,13 +95,18 @@ def gallery_figure(
         if mesh is not None:
             bar = figure.colorbar(mesh, ax=grid, shrink=0.5, aspect=30, pad=0.015)
             bar.outline.set_linewidth(0.6)
-            bar.set_label("Depth rate / largest depth rate")
+            bar.set_label("Depth rate / largest depth rate of the map")
+        figure.supxlabel(f"{style.axis_label(across)}, larger to the right", fontsize=8.0)
+        figure.supylabel(f"{style.axis_label(down)}, larger downwards", fontsize=8.0)
+        if (facets["depth_rate"] <= 0.0).any():
+            figure.legend(handles=[style.no_wear_handle()], loc="outside upper right")
         style.caption(
             figure,
             f"wear measure: {measure}; columns: {LABELS[across].long_name}, rows: "
             f"{LABELS[down].long_name}; shown is the case nearest to the centre of each cell of "
-            "the sampled ranges; above each map: these two quantities and the radius; below: "
-            "largest depth rate; the slope rises to the right",
+            "the sampled ranges; above each map: these two quantities and the radius; below: its "
+            "largest depth rate, the end of its colour scale; in every map the slope rises to the "
+            "right",
         )
     return figure
 
@@ -120,8 +125,8 @@ def _map(panel, rows: pd.DataFrame, case: pd.Series):
     ]
     panel.set_axis_on()
     mesh = panel.pcolormesh(
-        *edges, depth / top if top > 0.0 else depth, cmap=style.WEAR_MAP, vmin=0.0, vmax=1.0,
-        rasterized=True,
+        *edges, style.only_worn(depth / top if top > 0.0 else depth), cmap=style.wear_colours(),
+        vmin=0.0, vmax=1.0, rasterized=True,
     )  # fmt: skip
     panel.set_aspect("equal")
     panel.set_xticks([])
@@ -133,7 +138,7 @@ def _map(panel, rows: pd.DataFrame, case: pd.Series):
         f"{1e3 * case['particle_radius']:.0f} mm",
         fontsize=6.5, pad=2.0,
     )  # fmt: skip
-    panel.set_xlabel(f"{style.number(top, 2)} mm/s", fontsize=6.5, labelpad=1.5)
+    panel.set_xlabel(f"max {style.number(top, 2)} mm/s", fontsize=6.5, labelpad=1.5)
     return mesh
 
 

@@ -7,12 +7,16 @@ the figures of a study. Images of figures that the study lacks are left unchange
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
+from abradem.figures.captions import caption_of
 from abradem.figures.catalogue import FIGURES, groups
 from abradem.store.files import replacing, write_text
+from abradem.words.escaping import for_markdown
 
 WIDTH = 760
 """Width of the images, pixels."""
@@ -22,22 +26,28 @@ COLOURS = 128
 
 
 def shrink(source: Path, target: Path) -> None:
-    """Write a copy of a picture at the width of the page, with few colours."""
+    """Write a copy of a picture and its caption at the width of the page, with few colours."""
+    metadata = PngInfo()
+    if text := caption_of(source):
+        metadata.add_itxt("Description", text)
     with Image.open(source) as picture:
         height = round(picture.height * min(1.0, WIDTH / picture.width))
         width = min(WIDTH, picture.width)
         small = picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
     with replacing(target) as sink:
-        small.quantize(COLOURS, dither=Image.Dither.NONE).save(sink, format="png", optimize=True)
+        few = small.quantize(COLOURS, dither=Image.Dither.NONE)
+        few.save(sink, format="png", optimize=True, pnginfo=metadata)
 
 
-def page(names: set[str]) -> str:
+def page(names: set[str], captions: Mapping[str, str] | None = None) -> str:
     """Markdown of the gallery.
 
     Parameters
     ----------
     names : set of str
         Figures with an image; the others are left out.
+    captions : mapping of str to str, optional
+        What the captions of figures say of this study.
     """
     lines = [
         "# Gallery",
@@ -58,6 +68,8 @@ def page(names: set[str]) -> str:
         for name, entry in shown.items():
             lines += [entry.full_caption.replace("``", "`"), ""]
             lines += [f"![{entry.label}](images/{name}.png)", ""]
+            if text := (captions or {}).get(name):
+                lines += [for_markdown(text), ""]
     if FILM in names:
         lines += ["## Film", "", "Wear of plates at three angles, on the same scale:", ""]
         lines += [f"![Wear of plates at three angles](images/{FILM}.png)", ""]
@@ -79,7 +91,8 @@ def main(arguments: list[str], root: Path = Path(".")) -> int:
         if path.is_file():
             shrink(path, images / f"{name}.png")
     names = {name for name in wanted if (images / f"{name}.png").is_file()}
-    write_text(page(names), root / "docs" / "gallery.md")
+    captions = {name: caption_of(images / f"{name}.png") for name in names}
+    write_text(page(names, captions), root / "docs" / "gallery.md")
     return 0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
 from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED
@@ -18,7 +19,7 @@ LOG_SPAN = 30.0
 
 
 def coefficients_figure(
-    coefficients: pd.DataFrame, model: dict, element_size: float | None = None
+    coefficients: pd.DataFrame, model: dict, element_size: float | None = None, known: bool = True
 ) -> Figure:
     """Standardised coefficients with intervals as bars: X1 to X10, X11 to X20.
 
@@ -30,6 +31,8 @@ def coefficients_figure(
         Summary of the model.
     element_size : float, optional
         Edge of the elements of the target, m.
+    known : bool
+        Whether the name of the target says what it is.
 
     Returns
     -------
@@ -40,7 +43,7 @@ def coefficients_figure(
     with style.style():
         figure, axes = style.panels(2, 1, 2.2)
         half = (len(coefficients) + 1) // 2
-        words = _target_words(model, element_size)
+        words = _target_words(model, element_size, known)
         # Both panels have the same vertical axis.
         limit = _coefficient_limit(coefficients)
         parts = (coefficients.iloc[:half], coefficients.iloc[half:])
@@ -49,13 +52,19 @@ def coefficients_figure(
             first, last = part["symbol"].iloc[0], part["symbol"].iloc[-1]
             panel.set_title(f"{style.letter(index)} {first} to {last}", loc="left")
             panel.set_ylabel("Standardised coefficient")
-        figure.legend(handles=style.feature_handles(), loc="outside upper center", ncols=2)
-        style.caption(figure, "\n".join(_coefficient_words(coefficients, model, limit, words)))
+        handles: list = [*style.feature_handles()]
+        if _clipped(coefficients, limit):
+            handles.append(
+                Line2D([], [], marker="^", ms=4.0, color=style.BLACK, lw=0.9,
+                       label="interval, clipped at the axis")
+            )  # fmt: skip
+        figure.legend(handles=handles, loc="outside upper center", ncols=3)
+        style.caption(figure, "; ".join(_coefficient_words(coefficients, model, limit, words)))
     return figure
 
 
 def predicted_figure(
-    predictions: pd.DataFrame, model: dict, element_size: float | None = None
+    predictions: pd.DataFrame, model: dict, element_size: float | None = None, known: bool = True
 ) -> Figure:
     """Predicted against simulated wear of held-out cases, with the 1:1 line.
 
@@ -68,6 +77,8 @@ def predicted_figure(
         Summary of the model.
     element_size : float, optional
         Edge of the elements of the target, m.
+    known : bool
+        Whether the name of the target says what it is.
 
     Returns
     -------
@@ -120,7 +131,7 @@ def predicted_figure(
         splits = model["splits"]
         style.caption(
             figure,
-            f"{_target_words(model, element_size)}; {model['model']} model, "
+            f"{_target_words(model, element_size, known)}; {model['model']} model, "
             f"{PROTOCOLS[model['protocol']]} protocol, {splits['rows']} cases; held-out cases of "
             f"{splits['repeats']} random splits ({splits['train']} train, {splits['test']} test), "
             "one fit per split",
@@ -150,8 +161,9 @@ def _coefficient_panel(panel, part: pd.DataFrame, limit: float) -> None:
     panel.set_xticks(
         places,
         [
-            f"{symbol}\n${LABELS[name].tex}$"
-            for symbol, name in zip(part["symbol"], part["feature"], strict=True)
+            f"{symbol}\n${LABELS[name].tex}$\n"
+            + (style.minus(f"{value:+.2f}") if np.isfinite(value) else "")
+            for symbol, name, value in zip(part["symbol"], part["feature"], values, strict=True)
         ],
     )
     panel.tick_params(axis="x", length=0)
@@ -168,6 +180,12 @@ def _coefficient_limit(coefficients: pd.DataFrame) -> float:
     return most if most > 0.0 else 1.0
 
 
+def _clipped(coefficients: pd.DataFrame, limit: float) -> bool:
+    """Whether an interval extends beyond the axis."""
+    ends = coefficients[["lower", "upper"]].to_numpy(dtype=float)
+    return bool((np.abs(ends[np.isfinite(ends)]) > limit).any())
+
+
 def _coefficient_words(
     coefficients: pd.DataFrame, model: dict, limit: float, target: str
 ) -> list[str]:
@@ -179,16 +197,16 @@ def _coefficient_words(
     if not np.isfinite(ends).any():
         free = int((coefficients["variation"] != HELD_FIXED).sum())
         return [first, f"{rows} cases do not determine {free} coefficients; no intervals"]
-    second = f"lines: {share:g} % intervals (HC3)"
-    if (np.abs(ends[np.isfinite(ends)]) > limit).any():
-        second += "; arrowheads: the interval exceeds the axis"
+    second = f"numbers: coefficients; lines: {share:g} % intervals (HC3)"
+    if _clipped(coefficients, limit):
+        second += "; arrowheads: the interval is clipped at the end of the axis"
     if (coefficients["variation"] == NOT_IDENTIFIED).any():
         second += "; not identified: the cases do not tell these features apart"
     return [first, second]
 
 
-def _target_words(model: dict, element_size: float | None) -> str:
-    words = WearTarget(model["target"]["name"], element_size).explained
+def _target_words(model: dict, element_size: float | None, known: bool) -> str:
+    words = WearTarget(model["target"]["name"], element_size, known).explained
     return words[0].upper() + words[1:]
 
 

@@ -64,11 +64,14 @@ def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, target: WearTar
                 style.say_nothing_to_show(panel, words)
             else:
                 lined |= _map_panel(figure, panel, rows, target)
+        if (facets["depth_rate"] <= 0.0).any():
+            figure.legend(handles=[style.no_wear_handle()], loc="outside upper center")
         style.caption(
             figure,
             f"wear measure: {target.measure}; depth rate of each facet {_window_words(panels)}; "
-            "x: along the slope, z: across, from the centre of the plate; each panel has its own "
-            "colour scale" + (f"; lines: elements of the target, {target.place}" if lined else ""),
+            "places from the centre of the plate; each panel has its own colour scale, from 0 to "
+            "its largest rate"
+            + (f"; lines: elements of the target, {target.place}" if lined else ""),
         )
     return figure
 
@@ -79,12 +82,13 @@ def _map_panel(figure: Figure, panel, rows: pd.DataFrame, target: WearTarget) ->
     x, z = _edges(grid.columns.to_numpy()), _edges(grid.index.to_numpy())
     power = style.decade(grid.to_numpy().max())
     mesh = panel.pcolormesh(
-        x, z, grid.to_numpy() / 10.0**power, cmap=style.WEAR_MAP, vmin=0.0, rasterized=True
-    )
+        x, z, style.only_worn(grid.to_numpy() / 10.0**power), cmap=style.wear_colours(), vmin=0.0,
+        rasterized=True,
+    )  # fmt: skip
     panel.set_aspect("equal")
     panel.spines[["top", "right"]].set_visible(True)
-    panel.set_xlabel("$x$ (mm)")
-    panel.set_ylabel("$z$ (mm)")
+    panel.set_xlabel("Up the slope (mm)")
+    panel.set_ylabel("Across (mm)")
     bar = figure.colorbar(mesh, cax=panel.inset_axes([1.05, 0.0, 0.055, 1.0]))
     bar.outline.set_linewidth(0.6)
     bar.set_label(f"Depth rate ({style.scaled_unit(power, 'mm/s')})", fontsize=7.0)

@@ -15,8 +15,6 @@ from abradem.quantities import quantity
 from abradem.words.labels import LABELS, PROTOCOLS, feature_label
 
 DIVERGING = "RdBu_r"
-SPLIT_AT = 10
-"""Number of quantities in the first heat map: X1 to X10, then X11 to X21."""
 LOWEST = -1.0
 """Lower end of the R2 axis."""
 
@@ -27,7 +25,7 @@ def draw_correlations(correlations: pd.DataFrame, model: Mapping) -> Figure:
 
 
 def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
-    """Correlations among X1 to X10 and among X11 to X21 (the wear).
+    """Correlations of every pair of X1 to X21 (the wear), as the lower triangle of a heat map.
 
     Parameters
     ----------
@@ -38,29 +36,39 @@ def correlations_figure(correlations: pd.DataFrame, rows: int) -> Figure:
     """
     names = list(dict.fromkeys(correlations["feature"]))
     grid = correlations.pivot(index="feature", columns="other", values="correlation")
+    values = grid.loc[names, names].to_numpy()
+    lower = np.tril(np.ones(values.shape, dtype=bool), -1)
     with style.style():
-        figure, axes = style.panels(2, 2, 2.95)
-        for index, part in enumerate((names[:SPLIT_AT], names[SPLIT_AT:])):
-            panel = axes[index]
-            values = grid.loc[part, part].to_numpy()
-            mesh = panel.imshow(values, cmap=DIVERGING, vmin=-1.0, vmax=1.0)
-            for (i, j), value in np.ndenumerate(values):
-                if np.isfinite(value):
-                    shown = _short(value)
-                    panel.text(
-                        j, i, shown, ha="center", va="center", fontsize=6.5,
-                        color="white" if abs(value) > 0.6 else "black",
-                    )  # fmt: skip
-            _name_axes(panel, part)
-            first, last = quantity(part[0]).symbol, quantity(part[-1]).symbol
-            panel.set_title(f"{style.letter(index)} {first} to {last}", loc="left")
-        bar = figure.colorbar(mesh, ax=axes, shrink=0.8, pad=0.02)
+        figure, (panel,) = style.panels(1, 1, 0.88 * style.PAGE)
+        mesh = panel.imshow(
+            np.where(lower, values, np.nan)[1:, :-1], cmap=DIVERGING, vmin=-1.0, vmax=1.0,
+            aspect="auto",
+        )  # fmt: skip
+        for i, j in zip(*np.nonzero(lower), strict=True):
+            if np.isfinite(values[i, j]):
+                panel.text(
+                    j, i - 1, _short(values[i, j]), ha="center", va="center", fontsize=6.5,
+                    color="white" if abs(values[i, j]) > 0.6 else "black",
+                )  # fmt: skip
+        panel.set_xticks(
+            range(len(names) - 1),
+            [f"{quantity(name).symbol}\n${LABELS[name].tex}$" for name in names[:-1]],
+            fontsize=6.5,
+        )
+        panel.set_yticks(
+            range(len(names) - 1), [feature_label(name) for name in names[1:]], fontsize=6.5
+        )
+        panel.tick_params(length=0)
+        panel.spines[:].set_visible(False)
+        bar = figure.colorbar(
+            mesh, cax=panel.inset_axes((0.55, 0.9, 0.4, 0.025)), orientation="horizontal"
+        )
         bar.set_label("Pearson correlation")
         bar.outline.set_linewidth(0.6)
         style.caption(
             figure,
             f"all {rows} rows, descriptive, the same under both protocols; X21: wear depth rate"
-            + ("; empty: held fixed" if not np.isfinite(grid.to_numpy()).all() else ""),
+            + ("; empty: held fixed" if not np.isfinite(values).all() else ""),
         )
     return figure
 
@@ -69,13 +77,6 @@ def _short(value: float) -> str:
     """A correlation as short text for a cell: two decimals, no leading zero."""
     text = style.minus(f"{round(value, 2) + 0.0:.2f}")
     return text if text[-4] == "1" else text.replace("0.", ".", 1)
-
-
-def _name_axes(panel, names) -> None:
-    places = range(len(names))
-    panel.set_xticks(places, [f"${LABELS[n].tex}$" for n in names], fontsize=6.5)
-    panel.set_yticks(places, [feature_label(name) for name in names], fontsize=6.5)
-    panel.tick_params(length=0)
 
 
 def loadings_figure(loadings: pd.DataFrame, scree: pd.DataFrame, summary: dict) -> Figure:

@@ -68,7 +68,7 @@ def penalised_figure(
             "(a, b, d, e) all rows, standardised; cross-validated $R^2$: mean over the folds, "
             "band: its standard error. (c, f) weights as published (scaler of all rows, fixed "
             "penalty) and leakage-free (mean over the repeated splits, penalty cross-validated "
-            "inside the training rows); numbers: share of the leakage-free splits in which the "
+            "inside the training rows); kept in: share of the leakage-free splits in which the "
             "lasso keeps the feature" + style.sharing(weights),
         )
     return figure
@@ -132,5 +132,9 @@ def _weights_panel(panel, index, model, weights) -> None:
     panel.xaxis.set_major_locator(MaxNLocator(4))
     style.feature_rows(panel, features)
     style.name_fixed(panel, rows["variation"])
+    if model == "lasso":
+        # A row above the first feature, for the header of the numbers.
+        panel.set_ylim(panel.get_ylim()[0], -1.6)
+        panel.text(reach, -1.05, "kept in", fontsize=6.5, va="center", ha="right")
     panel.set_xlabel("Standardised weight")
     panel.set_title(f"{style.letter(index)} {MODELS[model]}: weights", loc="left", fontsize=7.0)

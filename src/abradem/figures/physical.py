@@ -1,4 +1,4 @@
-"""The physics-informed models: scores, calibration, learning curve, sensitivity, power law."""
+"""The physics-informed models: scores, calibration, learning curve, power law."""
 
 from __future__ import annotations
 
@@ -12,16 +12,13 @@ from matplotlib.lines import Line2D
 
 from abradem.dataset.variation import NOT_IDENTIFIED, VARIED
 from abradem.figures import style
+from abradem.figures.score_axis import LEAST, label_scores, unexplained
 from abradem.learning.number_text import UNDETERMINED, number_or_words, percentage, score_number
 from abradem.learning.physical.power_law import factor_of
 from abradem.learning.protocols import LEAKAGE_FREE
 from abradem.words.labels import GROUP_LABELS, LABELS, MODELS, Label
 
 SHOWN_OTHERS = ("linear", "ridge", "tree", "forest", "ga_ann")
-LEAST = 1e-4
-"""Unexplained share 1 - R2 at which axes end."""
-
-MOST_INDICES = 8
 SHOWN_LEVELS = (0.5, 0.8, 0.95)
 """Levels of the intervals whose width is written."""
 
@@ -30,12 +27,10 @@ def models_figure(
     comparison: pd.DataFrame,
     calibration: pd.DataFrame,
     curve: pd.DataFrame,
-    indices: pd.DataFrame,
-    exponents: pd.DataFrame,
     noise: Mapping | None,
     table: str,
 ) -> Figure:
-    """Comparison, calibration, learning curve, sensitivity and power law.
+    """Comparison, calibration of the intervals, and learning curve.
 
     Parameters
     ----------
@@ -45,25 +40,19 @@ def models_figure(
         From `abradem.learning.physical.intervals.calibrate`.
     curve : pandas.DataFrame
         From `abradem.learning.physical.reach.learning_curve`.
-    indices : pandas.DataFrame
-        From `abradem.learning.physical.sensitivity.sobol`.
-    exponents : pandas.DataFrame
-        From `abradem.learning.physical.power_law.PowerLaw.exponents`.
     noise : mapping or None
         From `abradem.learning.physical.noise_floor.noise_floor`; None without simulations.
     table : str
         Name of the data set.
     """
     with style.style():
-        figure = style.new_figure(style.PAGE, 7.6)
-        grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 0.92))
-        places = [grid[0, 0], grid[0, 1], grid[1, 0], grid[1, 1], grid[2, :]]
-        panels = [figure.add_subplot(place) for place in places]
-        _comparison(panels[0], comparison, noise)
-        _calibration(panels[1], calibration)
-        _curve(panels[2], curve, noise)
-        _indices(panels[3], indices)
-        _exponents(panels[4], exponents)
+        figure = style.new_figure(style.PAGE, 5.0)
+        grid = figure.add_gridspec(2, 2)
+        top = figure.add_subplot(grid[0, :])
+        left, right = (figure.add_subplot(grid[1, column]) for column in (0, 1))
+        _comparison(top, comparison, noise)
+        _calibration(left, calibration)
+        _curve(right, curve, noise)
         rows = int(calibration["tested"].iloc[0])
         words = (
             f"data set: {table}. (a) test rows of repeated splits, leakage-free protocol: median "
@@ -72,26 +61,14 @@ def models_figure(
         if noise is not None:
             words += (
                 f"Noise floor: {noise['cases']} cases, {noise['replicates']} simulations with "
-                "other seeds; 95 % band. "
+                "other seeds; grey: 95 % band. "
             )
         words += (
             f"(b) each of {rows} rows held out once; grey: 95 % binomial band. (c) median over the "
-            "splits and central 95 %. (d) Gaussian process over the ranges of the data set; bars: "
-            "95 % of functions drawn from its posterior. (e) exponents of quantities, computed "
-            "from those of the groups; bars: 95 % intervals, HC3"
+            "splits and central 95 %"
         )
-        if (exponents["variation"] == NOT_IDENTIFIED).any():
-            words += "; not identified: the rows do not tell it from others, nor C"
         style.caption(figure, words)
     return figure
-
-
-def _unexplained_axis(axis, low: float, high: float) -> None:
-    """Set the ticks of a logarithmic axis of 1 - R2, labelled with R2."""
-    ticks = [0.5, 0.1, 0.01, 0.001, 0.0001]
-    kept = [tick for tick in ticks if low <= tick <= high]
-    axis.set_ticks(kept, [f"{1.0 - tick:.4g}" for tick in kept])
-    axis.set_ticks([], minor=True)
 
 
 def _comparison(panel: Axes, comparison: pd.DataFrame, noise: Mapping | None) -> None:
@@ -99,39 +76,34 @@ def _comparison(panel: Axes, comparison: pd.DataFrame, noise: Mapping | None) ->
     leakage_free = leakage_free.set_index("model")
     names = [*(name for name in SHOWN_OTHERS if name in leakage_free.index),
              *(name for name in style.MODEL_COLOURS if name in leakage_free.index)]  # fmt: skip
-    shown = []
+    shown = [1.0]
     for place, name in enumerate(names):
         row = leakage_free.loc[name]
-        ends = 1.0 - np.array([row["r2_upper"], row["r2_lower"]], dtype=float)
-        middle = 1.0 - float(row["r2"])
         colour = style.MODEL_COLOURS.get(name, style.GREY)
-        panel.plot(np.clip(ends, LEAST, 1.0), [place, place], color=colour, lw=1.4)
-        panel.plot(np.clip(middle, LEAST, 1.0), place, "o", ms=4.0, color=colour)
-        nearest = np.nanmin([*ends, middle, 1.0])
-        panel.annotate(
-            style.minus(score_number(1.0 - middle, 4 if middle < 0.1 else 2)),
-            (np.clip(nearest, LEAST, 1.0), place), xytext=(4.0, 0.0),
-            textcoords="offset points",
-            fontsize=6.5, ha="left", va="center", color=colour,
-        )  # fmt: skip
-        shown += [middle, *ends]
-    if noise is not None and np.isfinite(noise["r2_floor"] or np.nan):
-        low, high = (1.0 - value for value in noise["r2_floor_band"])
-        panel.axvspan(max(high, LEAST / 2), max(low, LEAST / 2), color=style.LIGHT_GREY, zorder=0)
-        panel.axvline(1.0 - noise["r2_floor"], color=style.BLACK, lw=0.8, ls="--", zorder=0)
+        ends = unexplained(row[["r2_lower", "r2_upper"]], most=1.0)
+        middle = float(unexplained(row["r2"], most=1.0))
+        panel.plot(ends, [place, place], color=colour, lw=1.4)
+        panel.plot(middle, place, "o", ms=4.0, color=colour)
         panel.text(
-            1.0 - noise["r2_floor"], -0.55, "noise floor ", fontsize=6.5, ha="right",
-            va="center", rotation=0,
+            1.01, place, style.minus(score_number(row["r2"])), fontsize=7.0, va="center",
+            transform=panel.get_yaxis_transform(), color=colour,
         )  # fmt: skip
-        shown.append(1.0 - noise["r2_floor"])
-    finite = [value for value in shown if np.isfinite(value)]
-    low = max(0.6 * min(finite, default=LEAST), LEAST / 2)
+        shown += [middle, ends[1]]
+    if noise is not None and np.isfinite(noise["r2_floor"] or np.nan):
+        panel.axvspan(
+            *unexplained(noise["r2_floor_band"], most=1.0), color=style.LIGHT_GREY, zorder=0
+        )
+        floor = float(unexplained(noise["r2_floor"], most=1.0))
+        panel.axvline(floor, color=style.BLACK, lw=0.8, ls="--", zorder=0)
+        panel.text(floor, -0.95, "noise floor", fontsize=6.5, ha="center", va="center")
+        shown.append(floor)
+    low = max(0.6 * min(value for value in shown if np.isfinite(value)), LEAST)
     panel.set_xscale("log")
     panel.set_xlim(1.05, low)
-    _unexplained_axis(panel.xaxis, low, 1.0)
+    label_scores(panel.xaxis, low, 1.0)
     panel.set_yticks(range(len(names)), [MODELS.get(name, name) for name in names])
     panel.tick_params(axis="y", length=0)
-    panel.set_ylim(len(names) - 0.1, -0.8)
+    panel.set_ylim(len(names) - 0.3, -0.7)
     panel.grid(axis="x", color=style.LIGHT_GREY, lw=0.5)
     panel.set_axisbelow(True)
     panel.set_xlabel("$R^2$ on held-out rows (log scale of $1 - R^2$)")
@@ -175,66 +147,62 @@ def _curve(panel: Axes, curve: pd.DataFrame, noise: Mapping | None) -> None:
     lows = []
     for name, rows in curve.groupby("model", sort=False):
         colour = style.MODEL_COLOURS[name]
-        middle = np.clip(1.0 - rows["r2"], LEAST, 1.0)
+        middle = unexplained(rows["r2"], most=1.0)
         panel.plot(rows["trained"], middle, marker="o", ms=3.5, color=colour, label=MODELS[name])
         panel.fill_between(
-            rows["trained"], np.clip(1.0 - rows["r2_upper"], LEAST, 1.0),
-            np.clip(1.0 - rows["r2_lower"], LEAST, 1.0), color=colour, alpha=0.15, lw=0.0,
+            rows["trained"], unexplained(rows["r2_upper"], most=1.0),
+            unexplained(rows["r2_lower"], most=1.0), color=colour, alpha=0.15, lw=0.0,
         )  # fmt: skip
-        lows += list(np.clip(1.0 - rows["r2_upper"], LEAST, 1.0))
+        lows += list(unexplained(rows["r2_upper"], most=1.0))
     if noise is not None and np.isfinite(noise["r2_floor"] or np.nan):
-        panel.axhline(1.0 - noise["r2_floor"], color=style.BLACK, lw=0.8, ls="--")
-        panel.text(
-            curve["trained"].min(), 1.0 - noise["r2_floor"], "noise floor", fontsize=6.5,
-            va="bottom",
-        )  # fmt: skip
-        lows.append(1.0 - noise["r2_floor"])
+        floor = float(unexplained(noise["r2_floor"], most=1.0))
+        panel.axhline(floor, color=style.BLACK, lw=0.8, ls="--")
+        panel.text(curve["trained"].min(), 1.03 * floor, "noise floor", fontsize=6.5, va="top")
+        lows.append(floor)
     panel.set_xscale("log")
     panel.set_yscale("log")
-    low = max(0.6 * min((v for v in lows if np.isfinite(v)), default=LEAST), LEAST / 2)
-    highs = np.clip(1.0 - curve["r2_lower"].dropna(), LEAST, 1.0)
+    low = max(0.6 * min((v for v in lows if np.isfinite(v)), default=LEAST), LEAST)
+    highs = unexplained(curve["r2_lower"].dropna(), most=1.0)
     high = float(highs.max()) if len(highs) else 1.0
     if curve["r2"].isna().all():
         panel.text(0.5, 0.5, f"$R^2$ {UNDETERMINED}", transform=panel.transAxes, ha="center",
                    va="center", fontsize=7.0, color=style.GREY)  # fmt: skip
     panel.set_ylim(min(1.3 * high, 1.05), low)
-    _unexplained_axis(panel.yaxis, low, min(1.3 * high, 1.0))
+    label_scores(panel.yaxis, low, min(1.3 * high, 1.0))
     ticks = sorted(set(curve["trained"]))
     panel.set_xticks(ticks, [str(tick) for tick in ticks])
     panel.set_xticks([], minor=True)
     panel.grid(axis="y", color=style.LIGHT_GREY, lw=0.5)
     panel.set_xlabel("Training rows")
     panel.set_ylabel("$R^2$ on held-out rows")
-    panel.legend(loc="upper right", bbox_to_anchor=(1.0, 0.93))
+    panel.legend(loc="lower right")
     panel.set_title(f"{style.letter(2)} learning curve", loc="left")
 
 
-def _indices(panel: Axes, indices: pd.DataFrame) -> None:
-    rows = indices[indices["explained"] == "wear"]
-    rows = rows.assign(told=rows["variation"] == VARIED)
-    rows = rows.sort_values(["told", "total"], ascending=False, kind="stable").iloc[:MOST_INDICES]
-    places = np.arange(len(rows))
-    for shift, column, colour, words in (
-        (-0.2, "total", style.BLUE, "total"), (0.2, "first", style.SKY, "first order"),
-    ):  # fmt: skip
-        values = rows[column].where(rows["told"]).clip(lower=0.0).to_numpy()
-        panel.barh(places + shift, values, 0.36, color=colour, label=words)
-        ends = rows[[f"{column}_lower", f"{column}_upper"]].clip(lower=0.0).to_numpy()
-        ends = np.where(rows[["told"]], ends, np.nan)
-        panel.hlines(places + shift, ends[:, 0], ends[:, 1], color=style.BLACK, lw=0.8)
-    names = [style.short_label(name) for name in rows["feature"]]
-    panel.set_yticks(places, names)
-    panel.tick_params(axis="y", length=0)
-    panel.set_ylim(len(rows) - 0.5, -0.5)
-    panel.set_xlim(0.0, None if panel.get_xlim()[1] > 0.0 else 1.0)
-    style.name_unvaried(panel, rows["variation"])
-    panel.set_xlabel("Sobol index of the wear rate")
-    panel.legend(loc="lower right")
-    panel.set_title(f"{style.letter(3)} sensitivity", loc="left")
+def power_law_figure(exponents: pd.DataFrame, table: str) -> Figure:
+    """Exponents of quantities and groups, and the equation of the power law.
+
+    Parameters
+    ----------
+    exponents : pandas.DataFrame
+        From `abradem.learning.physical.power_law.PowerLaw.exponents`.
+    table : str
+        Name of the data set.
+    """
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 2.3)
+        _exponents(panel, exponents)
+        words = (
+            f"data set: {table}; power law of all rows. Exponents of quantities, computed from "
+            "those of the groups; bars: 95 % intervals, HC3"
+        )
+        if (exponents["variation"] == NOT_IDENTIFIED).any():
+            words += "; not identified: the rows do not tell it from others, nor C"
+        style.caption(figure, words)
+    return figure
 
 
 def _exponents(panel: Axes, exponents: pd.DataFrame) -> None:
-    """Exponents of quantities and groups, and the equation of the power law."""
     known = exponents.set_index("term")
     quantities = exponents[exponents["kind"] == "quantity"]
     groups = exponents[
@@ -276,7 +244,7 @@ def _exponents(panel: Axes, exponents: pd.DataFrame) -> None:
         ],
         loc="upper right",
     )
-    panel.set_title(f"{style.letter(4)} power law\n{_law(known)}", loc="left", linespacing=1.6)
+    panel.set_title(_law(known), loc="left", linespacing=1.6)
 
 
 def _label_of(row) -> Label:
@@ -297,7 +265,11 @@ def _law(known: pd.DataFrame) -> str:
         (r"(1+e)", "log_rebound"),
     ]  # fmt: skip
     first, second = (
-        r"\;".join(f"{base}^{{\\,{value[term]:.2f}}}" for base, term in part if term in value)
+        r"\;".join(
+            f"{base}^{{\\,{number_or_words(value[term], '.2f')}}}"
+            for base, term in part
+            if term in value
+        )
         for part in (powers[:5], powers[5:])
     )
     terms = ((r"\cos\theta", "jet_width"), (r"\varphi", "plate_angle"),

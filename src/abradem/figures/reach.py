@@ -30,7 +30,7 @@ def reach_figure(extrapolation: pd.DataFrame, targets: pd.DataFrame, table: str)
     """
     with style.style():
         figure = style.new_figure(style.PAGE, 2.9)
-        left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.05))
+        left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.3))
         _beyond(left, extrapolation)
         _targets(right, targets)
         style.caption(
@@ -96,24 +96,31 @@ def _targets(panel: Axes, targets: pd.DataFrame) -> None:
         s for s in STATISTICS
         if any(f"wear_{r}_{s}" in rows.index for r in measures)
     ]  # fmt: skip
-    values = np.full((len(measures), len(statistics)), np.nan)
-    for i, measure in enumerate(measures):
-        for j, statistic in enumerate(statistics):
-            name = f"wear_{measure}_{statistic}"
-            if name not in rows.index:
-                continue
-            values[i, j] = rows.loc[name, "r2"]
-            dark = values[i, j] > 0.6
+    values = np.array([[_score(rows, f"wear_{m}_{s}", "r2") for s in statistics] for m in measures])
+    finite = values[np.isfinite(values)]
+    low = float(np.clip(np.floor(20.0 * finite.min(initial=0.95)) / 20.0, -1.0, 0.95))
+    mesh = panel.imshow(values, cmap="viridis_r", vmin=low, vmax=1.0, aspect="auto")
+    for (i, j), value in np.ndenumerate(values):
+        name = f"wear_{measures[i]}_{statistics[j]}"
+        if name in rows.index:
             of_number = style.minus(score_number(rows.loc[name, "r2_number"], 2))
             panel.text(
-                j, i, f"{style.minus(score_number(rows.loc[name, 'r2'], 3))}\n({of_number})",
-                ha="center", va="center", fontsize=7.0, color="white" if dark else "black",
+                j, i, f"{style.minus(score_number(value, 3))}\n({of_number})", ha="center",
+                va="center", fontsize=7.0,
+                color="white" if value > low + 0.5 * (1.0 - low) else "black",
             )  # fmt: skip
-    panel.imshow(values, cmap="viridis_r", vmin=0.0, vmax=1.0, aspect="auto")
+    bar = panel.figure.colorbar(mesh, ax=panel, pad=0.03, aspect=25)
+    bar.outline.set_linewidth(0.6)
+    bar.set_label("$R^2$")
     words = {"mean": "plate", "worn": "worn", "footprint": "footprint", "p99": "99th perc.",
              "max": "worst"}  # fmt: skip
-    panel.set_xticks(range(len(statistics)), [words[s] for s in statistics])
+    panel.set_xticks(range(len(statistics)), [words[s] for s in statistics], fontsize=6.5)
     panel.set_yticks(range(len(measures)), measures)
     panel.tick_params(length=0)
     for side in panel.spines.values():
         side.set_visible(False)
+
+
+def _score(rows: pd.DataFrame, target: str, column: str) -> float:
+    """A score of a target; nan where it was not learned."""
+    return float(rows.loc[target, column]) if target in rows.index else np.nan

@@ -15,6 +15,9 @@ from abradem.words.labels import LABELS
 
 _INDICES = ("first", "total", "total_lower", "total_upper")
 _FALLS = ("fall", "fall_lower", "fall_upper")
+_SMALL = 0.01
+"""Total index below which a quantity has no row, if its index of ln wear is as small."""
+_MOST_CURVES = 8
 
 
 def sensitivity_figure(
@@ -32,14 +35,19 @@ def sensitivity_figure(
     wear = indices[indices["explained"] == "wear"]
     ranked = wear.assign(told=wear["variation"] == VARIED)
     ranked = ranked.sort_values(["told", "total"], ascending=False, kind="stable")
+    small = _small(indices)
+    ranked = ranked[~ranked["feature"].isin(small)]
     order, says = list(ranked["feature"]), list(ranked["variation"])
     indices, falls = (
         table.assign(**{name: table[name].where(table["variation"] == VARIED) for name in columns})
         for table, columns in ((indices, _INDICES), (falls, _FALLS))
     )
     with style.style():
-        figure = style.new_figure(style.PAGE, 5.9)
-        grid = figure.add_gridspec(3, 4, height_ratios=(1.9, 1.0, 1.0))
+        shown = [name for name in order if name in set(dependence["feature"])][:_MOST_CURVES]
+        lines = -(-len(shown) // 4)
+        tall = 0.6 + 0.16 * max(len(order), 5)
+        figure = style.new_figure(style.PAGE, tall + 1.45 * lines)
+        grid = figure.add_gridspec(1 + lines, 4, height_ratios=(tall, *[1.45] * lines))
         left, right = figure.add_subplot(grid[0, :2]), figure.add_subplot(grid[0, 2:])
         places = np.arange(len(order))
         for shift, explained, colour in (
@@ -80,20 +88,18 @@ def sensitivity_figure(
             style.name_unvaried(panel, says)
         most = dependence["predicted"].max()
         power = style.decade(most)
-        shown = [name for name in order if name in set(dependence["feature"])]
-        for place, name in enumerate(shown[:8]):
+        for place, name in enumerate(shown):
             panel = figure.add_subplot(grid[1 + place // 4, place % 4])
             rows = dependence[dependence["feature"] == name]
             row = quantity(name)
-            panel.plot(
-                rows["setting"] / row.config_factor, rows["predicted"] / 10.0**power,
-                color=style.BLUE,
-            )  # fmt: skip
+            settings = rows["setting"].to_numpy() / row.config_factor
+            # Small numbers would have their power of ten beside the axis, where it is overlooked.
+            largest = float(np.abs(settings).max())
+            down = style.decade(largest) if largest < 1e-2 else 0
+            panel.plot(settings / 10.0**down, rows["predicted"] / 10.0**power, color=style.BLUE)
             panel.set_ylim(0.0, 1.08 * most / 10.0**power)
-            unit = "" if row.config_unit == "1" else row.config_unit
-            panel.set_xlabel(
-                style.with_unit(f"${LABELS[row.name].tex}$", unit or "1"), fontsize=7.0
-            )
+            unit = style.scaled_unit(down, row.config_unit)
+            panel.set_xlabel(f"${LABELS[row.name].tex}$" + (f" ({unit})" if unit else ""))
             panel.set_title(style.letter(2 + place), loc="left")
             if place % 4 == 0:
                 panel.set_ylabel(f"Wear ({style.scaled_unit(power, 'mm/s')})")
@@ -102,6 +108,20 @@ def sensitivity_figure(
             f"data set: {table}; Gaussian process. (a) over the ranges of the data set, all "
             "quantities that varied independent; bars: 95 % of functions drawn from the posterior. "
             "(b) mean, smallest and largest of the splits. From (c) on: geometric mean of the "
-            "predicted wear depth rate over the cases, with one quantity set to the value shown",
+            "predicted wear depth rate over the cases, with one quantity set to the value shown"
+            + (
+                f". Total indices below {_SMALL:g}, not drawn: "
+                f"{', '.join(LABELS[name].long_name for name in small)}"
+                if small
+                else ""
+            ),
         )
     return figure
+
+
+def _small(indices: pd.DataFrame) -> list[str]:
+    """Quantities that varied and whose total indices are all small, unless all are."""
+    varied = indices[indices["variation"] == VARIED]
+    most = varied.groupby("feature", sort=False)["total"].max()
+    small = list(most[most < _SMALL].index)
+    return small if len(small) < len(most) else []

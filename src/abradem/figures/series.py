@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from abradem.dem.model import Setup
 from abradem.figures import style
 from abradem.figures.cases_shown import runs_shown, stacked
+from abradem.geometry.build import worn_area
 from abradem.quantities import SAMPLED_NAMES
 from abradem.store.tables import concatenate
 from abradem.units import MM_PER_M
@@ -61,7 +62,7 @@ def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, target: WearTarget) 
             figure, axes = style.panels(1, 1, 1.0, style.COLUMN)
             style.say_nothing_to_show(axes[0], "none of the cases was simulated")
             return figure
-        figure, axes = style.panels(len(fits), 3, 1.85)
+        figure, axes = style.panels(len(fits), 3, 1.9)
         for index, (panel, row) in enumerate(zip(axes, fits.to_dict("records"), strict=True)):
             curve = curves[curves["case_id"] == row["case_id"]]
             style.title_case(panel, index, row)
@@ -77,8 +78,9 @@ def series_figure(curves: pd.DataFrame, fits: pd.DataFrame, target: WearTarget) 
         )
         style.caption(
             figure,
-            f"wear measure: {target.measure}; slope ± standard error from batch means of the "
-            r"steady part; $R^2$ of the cumulative curve is only descriptive"
+            f"mean wear depth of the plate, wear measure: {target.measure}; slope ± standard error "
+            r"from batch means of the steady part; $R^2$ of the cumulative curve is only "
+            "descriptive"
             + (
                 f"; the models predict another statistic, {target.place}"
                 if target.has_elements
@@ -99,7 +101,7 @@ def _series_panel(panel, curve: pd.DataFrame, row: dict) -> None:
     # Space above the curve for the text.
     panel.set_ylim(0.0, 1.45 * max(curve["wear_depth"].max() / unit, 1e-300))
     panel.set_xlabel("Time (s)")
-    panel.set_ylabel(f"Mean depth ({style.scaled_unit(power, 'mm')})")
+    panel.set_ylabel(f"Depth ({style.scaled_unit(power, 'mm')})")
     if np.isfinite(row["rate"]):
         panel.axvspan(0.0, row["time_from"], color=style.LIGHT_GREY, lw=0, zorder=0)
         panel.plot(
@@ -113,11 +115,7 @@ def _series_panel(panel, curve: pd.DataFrame, row: dict) -> None:
         words += f"\n$R^2$ = {row['r2']:.4f}"
     else:
         words = "no steady state" if row["status"] == "ok" else textwrap.fill(row["status"], 30)
-    panel.text(
-        0.04 + row["time_from"] / curve["time"].max() if np.isfinite(row["rate"]) else 0.04, 0.97,
-        words, transform=panel.transAxes, va="top",
-        fontsize=6.5,
-    )  # fmt: skip
+    panel.text(0.99, 0.98, words, transform=panel.transAxes, ha="right", va="top", fontsize=6.5)
 
 
 def depth_series(
@@ -157,7 +155,7 @@ def depth_series(
         key = run["case_id"]
         rows = series[series["case_id"] == key]
         time = rows["time"].to_numpy(dtype=float)
-        per_joule = MM_PER_M * float(constants.at[key, "archard_constant"]) / setup.plate_area
+        per_joule = MM_PER_M * float(constants.at[key, "archard_constant"]) / worn_area(setup)
         depth = per_joule * rows[f"worn_{measure}"].to_numpy(dtype=float)
         curves.append(pd.DataFrame({"case_id": key, "time": time, "wear_depth": depth}))
         start = run["steady_from"]

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import ConnectionPatch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
@@ -26,8 +24,8 @@ _EYE = np.array([-0.32, 0.46, 0.83])
 _DISTANCE = 5.0
 """Distance of the camera, in heights of the view: large, so that perspective effects are small."""
 
-_MARGIN = 1.12
-_PICTURE = (0.0, 0.07, 0.60, 0.93)
+_MARGIN = 1.18
+_PICTURE = (0.0, 0.0, 0.60, 1.0)
 _MAP = (0.69, 0.28, 0.205, 0.205 * style.PAGE / HEIGHT)
 
 
@@ -83,9 +81,11 @@ def setup_figure(
         patch = factory_patch(case, setup)
         scene = figure.add_axes(_PICTURE)
         camera = _camera(plate, patch, scene)
+        places = particles[["x", "y", "z"]].to_numpy()
+        whole = within_frame(camera, places, case["particle_radius"])
         image = picture(
-            camera, plate, particles[["x", "y", "z"]].to_numpy(), case["particle_radius"], patch,
-            tints=particle_tints(particles["particle"]),
+            camera, plate, places[whole], case["particle_radius"], patch,
+            tints=particle_tints(particles["particle"])[whole],
         )  # fmt: skip
         scene.imshow(image, interpolation="none")
         scene.set_axis_off()
@@ -97,7 +97,7 @@ def setup_figure(
         bar = figure.colorbar(mesh, cax=call_out.inset_axes((1.05, 0.0, 0.055, 1.0)))
         bar.outline.set_linewidth(0.6)
         bar.set_label(f"Wear depth ({style.scaled_unit(power, 'mm')})")
-        call_out.set_title(f"{style.letter(1)} wear after {time:.3g} s", loc="left")
+        call_out.set_title(f"{style.letter(1)} wear of the plate after {time:.3g} s", loc="left")
         scene.text(
             0.01, 0.985, f"{style.letter(0)} set-up at {time:.3g} s", transform=scene.transAxes,
             va="top", fontsize=8.0,
@@ -105,23 +105,9 @@ def setup_figure(
         for text in scene.texts:
             # Particles of a crowded jet lie behind the labels.
             text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
-        scene.plot(*camera.project(plate.point(0.93, 0.0)).T, "o", ms=2.5, color=style.GREY)
-        figure.add_artist(
-            ConnectionPatch(
-                camera.project(plate.point(0.93, 0.0))[0],
-                (0.0, 1.0),
-                "data",
-                "axes fraction",
-                axesA=scene,
-                axesB=call_out,
-                color=style.GREY,
-                lw=0.7,
-            )
-        )
-        figure.text(
-            0.5, 0.012, _words(particles, case, setup, measure), ha="center", va="bottom",
-            fontsize=6.5, color=style.GREY,
-        )  # fmt: skip
+        if (depth <= 0.0).any():
+            figure.legend(handles=[style.no_wear_handle()], loc="lower right")
+        style.caption(figure, _words(particles, case, setup, measure))
     return figure
 
 
@@ -129,7 +115,7 @@ def worn_plate(
     depth: np.ndarray, top: float, case: Mapping[str, float], setup: Setup
 ) -> DrawnPlate:
     """The plate coloured by its wear depth (nx, nz), mm; the colours end at ``top``, mm."""
-    colours = mpl.colormaps[style.WEAR_MAP](np.clip(depth / top, 0.0, 1.0))[..., :3]
+    colours = style.wear_colours()(style.only_worn(np.clip(depth / top, 0.0, 1.0)))[..., :3]
     return DrawnPlate(setup.plate_length, setup.plate_width, case["plate_angle"], colours)
 
 
@@ -137,6 +123,17 @@ def factory_patch(case: Mapping[str, float], setup: Setup) -> Patch:
     """The factory patch, from which the particles are released."""
     height, tilt = setup.patch_place(case["factory_angle"])
     return Patch(setup.patch_length, setup.patch_width, height, tilt)
+
+
+def within_frame(camera: Camera, places: np.ndarray, radius: float) -> np.ndarray:
+    """Whether particles (n, 3), m, lie within the picture as a whole, not cut by its edge."""
+    if not len(places):
+        return np.zeros(0, dtype=bool)
+    right, _, _ = camera.axes
+    middles = camera.project(places)
+    reach = np.linalg.norm(camera.project(places + radius * right) - middles, axis=1)[:, None]
+    size = np.array([camera.width, camera.height])
+    return ((middles - reach >= 0.0) & (middles + reach <= size)).all(axis=1)
 
 
 def particle_tints(identities) -> np.ndarray:
@@ -149,7 +146,10 @@ def wear_map_panel(panel: Axes, depth: np.ndarray, top: float, setup: Setup):
     """Draw the wear map of the plate in its own plane; returns the coloured mesh."""
     x = 1e3 * np.linspace(-0.5, 0.5, depth.shape[0] + 1) * setup.plate_length
     z = 1e3 * np.linspace(-0.5, 0.5, depth.shape[1] + 1) * setup.plate_width
-    mesh = panel.pcolormesh(x, z, depth.T, cmap=style.WEAR_MAP, vmin=0.0, vmax=top, rasterized=True)
+    mesh = panel.pcolormesh(
+        x, z, style.only_worn(depth.T), cmap=style.wear_colours(), vmin=0.0, vmax=top,
+        rasterized=True,
+    )  # fmt: skip
     panel.set_aspect("equal")
     panel.spines[["top", "right"]].set_visible(True)
     for axis in (panel.xaxis, panel.yaxis):
@@ -275,5 +275,5 @@ def _words(particles: pd.DataFrame, case: Mapping[str, float], setup: Setup, mea
         f"{len(particles)} particles of {_number(1e3 * case['particle_radius'])} mm radius, "
         f"{rate}; all other quantities in the middle of their ranges; "
         f"{_symbol('archard_constant')} = {style.number(case['archard_constant'])} 1/Pa; "
-        f"wear measure: {measure}"
+        f"wear measure: {measure}; particles at the edge of (a) are left out"
     )

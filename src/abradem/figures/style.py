@@ -16,7 +16,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -25,6 +27,7 @@ from abradem.learning.number_text import LARGEST, is_number, number_or_words
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE
 from abradem.quantities import quantity
 from abradem.store.files import replacing
+from abradem.words.escaping import from_mathtext
 from abradem.words.labels import LABELS, feature_label
 
 if TYPE_CHECKING:
@@ -54,6 +57,8 @@ MODEL_COLOURS = {
 PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK)
 WEAR_MAP = "YlOrRd"
 """Colours of depth maps, yellow to red."""
+NO_WEAR = "#C3CFD9"
+"""Colour of facets without wear, which is not a colour of little wear."""
 
 _SETTINGS: Any = {
     "font.family": "DejaVu Sans",
@@ -194,6 +199,21 @@ def feature_colours(names: Iterable[str]) -> list[str]:
     return [ORANGE if quantity(name).kind == "derived" else BLUE for name in names]
 
 
+def wear_colours() -> Colormap:
+    """Colours of depth maps, with a colour of its own for masked facets, those without wear."""
+    return mpl.colormaps[WEAR_MAP].with_extremes(bad=NO_WEAR)
+
+
+def only_worn(depth: np.ndarray) -> np.ma.MaskedArray:
+    """The depths of a map with the facets masked that have no wear."""
+    return np.ma.masked_less_equal(depth, 0.0)
+
+
+def no_wear_handle() -> Patch:
+    """Legend handle for the facets without wear."""
+    return Patch(color=NO_WEAR, label="no wear")
+
+
 def feature_handles() -> list[Patch]:
     """Legend handles for `feature_colours`."""
     return [
@@ -301,7 +321,17 @@ def say_nothing_to_show(panel: Axes, words: str) -> None:
 
 
 def caption(figure: Figure, text: str) -> None:
-    """Write a caption below the figure, wrapped to its width."""
+    """Give a figure its caption, which is no part of the picture.
+
+    `save` writes it into the metadata of the files, where the report and the gallery find it, see
+    `abradem.figures.captions`.
+    """
+    line = from_mathtext(text).rstrip(".")
+    figure.set_label(f"{line[:1].upper()}{line[1:]}.")
+
+
+def write_below(figure: Figure, text: str) -> None:
+    """Write a text below a figure, wrapped to its width, for pictures that stand alone."""
     width = int(_CAPTION_LETTERS_PER_INCH * figure.get_figwidth())
     lines = [
         line
@@ -315,7 +345,9 @@ _CAPTION_LETTERS_PER_INCH = 19.5
 
 
 def save(figure: Figure, stem: str | Path, formats: Iterable[str] = FORMATS) -> list[Path]:
-    """Write a figure as ``stem.<format>``, without dates; each file is complete or not written.
+    """Write a figure and its caption as ``stem.<format>``, without dates.
+
+    Each file is complete or not written. The caption is in the metadata.
 
     Parameters
     ----------
@@ -329,10 +361,11 @@ def save(figure: Figure, stem: str | Path, formats: Iterable[str] = FORMATS) -> 
     list of Path
         The files written.
     """
+    text = str(figure.get_label())
     metadata = {
-        "pdf": {"CreationDate": None, "Creator": "abradem"},
-        "png": {"Software": None},
-        "svg": {"Date": None, "Creator": "abradem"},
+        "pdf": {"CreationDate": None, "Creator": "abradem", "Subject": text or None},
+        "png": {"Software": None, **({"Description": text} if text else {})},
+        "svg": {"Date": None, "Creator": "abradem", "Description": text or None},
     }
     formats = list(formats)
     unknown = [name for name in formats if name not in metadata]

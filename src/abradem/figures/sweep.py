@@ -109,7 +109,7 @@ def sweep_figure(
         panel.set_title(words, loc="left", fontsize=7.0)
         if others:
             figure.legend(loc="outside right upper", fontsize=6.5)
-        style.caption(figure, caption)
+        style.write_below(figure, caption)
     return figure
 
 

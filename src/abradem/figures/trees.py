@@ -123,13 +123,18 @@ def tree_figure(nodes: pd.DataFrame, summary: dict) -> Figure:
         width = max((x for x, _ in places.values()), default=0.0)
         panel.set_xlim(-0.6, width + 0.6)
         panel.set_ylim(-depth - 0.5, 0.5)
+        panel.text(
+            0.0, 1.0, "first lines: condition\nmean: mean wear depth rate\n"
+            f"         ({style.scaled_unit(power, 'mm/s')})\nn: number of rows\ngrey: leaf",
+            transform=panel.transAxes, ha="left", va="top", fontsize=6.5, color=style.GREY,
+        )  # fmt: skip
         pruned = summary["pruned"]
         style.caption(
             figure,
             f"protocol: leakage-free; all rows, standardised; cost-complexity pruning with the "
             f"cross-validated penalty {pruned['ccp_alpha']:.2g}: {pruned['leaves']} leaves, depth "
-            f"{pruned['depth']}; each box: mean wear depth rate "
-            f"({style.scaled_unit(power, 'mm/s')}) and number of rows"
+            f"{pruned['depth']}; mean wear depth rate in "
+            f"{style.scaled_unit(power, 'mm/s')}"
             + (f"; levels below {DRAWN_DEPTH} are not drawn" if pruned["depth"] > DRAWN_DEPTH
                else ""),
         )  # fmt: skip
@@ -157,7 +162,7 @@ def _places(rows: dict) -> dict[int, tuple[float, int]]:
 
 
 def _node_words(row: dict, power: int, cut: bool) -> str:
-    mean = f"{row['predicted'] / 10.0**power:.3g}\nn = {row['rows']}"
+    mean = f"mean {row['predicted'] / 10.0**power:.3g}\nn = {row['rows']}"
     if row["left"] < 0:
         return mean
     if cut:

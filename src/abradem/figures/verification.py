@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator, ScalarFormatter
 
 from abradem.figures import style
+from abradem.figures.chute_verification import chute_figure
 
 _EXACT = {"color": style.BLACK, "ls": "--", "lw": 0.9, "label": "exact", "zorder": 3}
 _SMALL = {"ms": 2.5, "lw": 0.8}
@@ -30,7 +31,7 @@ def _finish(figure: Figure, panels, caption: str, legend_of=None) -> Figure:
             list(handles.values()), list(handles), loc="outside upper center",
             ncols=min(len(handles), 4 if figure.get_figwidth() > style.COLUMN + 0.1 else 2),
         )  # fmt: skip
-    style.caption(figure, caption)
+    style.write_below(figure, caption)
     return figure
 
 
@@ -188,7 +189,9 @@ def codes_figure(impacts: pd.DataFrame) -> Figure:
         for index, panel in enumerate(panels):
             panel.set_title(f"{style.letter(index)} {panel.get_title(loc='left')}", loc="left")
         figure.legend(handles, labels, loc="outside upper center", ncols=2)
-        style.caption(figure, "e = 0.5, µ = 0.45, 3.9 m/s; lines: abradem with the same options")
+        style.write_below(
+            figure, "e = 0.5, µ = 0.45, 3.9 m/s; lines: abradem with the same options"
+        )
         return figure
 
 
@@ -417,6 +420,7 @@ FIGURES = {
     "conveyor": conveyor_figure,
     "trends": trends_figure,
     "heap": heap_figure,
+    "chute": chute_figure,
     **{f"chung_ooi_{number}": _chung_ooi(number) for number in range(1, 9)},
 }
 """Drawing functions by the name of the figure; the workflow defines the tables of each."""

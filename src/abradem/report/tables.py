@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 TABLES: dict[str, str] = {
+    "dataset": "The data set: quantities, features, wear depth rates and their standard errors for "
+    "each case. The unit is in the header of a column, its meaning appears under the pointer.",
     "linear_coefficients": "Coefficients of the linear regression between standardised features "
     "and target, with standard errors and intervals.",
     "linear_published": "The printed coefficients of the linear equation compared with a refit by "

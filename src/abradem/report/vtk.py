@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.dem.model import Setup
+from abradem.dem.surface import Surface
 from abradem.quantities import SAMPLED_NAMES, WEAR_MEASURES
 from abradem.store.files import TableError, write_text
 from abradem.wear.depths import depth_frames
@@ -79,6 +80,28 @@ def write_vtk(
             write_text(text, folder / names[kind][-1])
     for kind, files in names.items():
         write_text(collection(times, files), folder / f"{kind}.pvd")
+
+
+def surface_vtp(surface: Surface, cells: pd.DataFrame) -> str:
+    """XML of a PolyData with the cells of a surface.
+
+    Parameters
+    ----------
+    surface : Surface
+    cells : pandas.DataFrame
+        Rows of one case of `abradem.wear.surface_cells.cell_table`. The columns of numbers become
+        values of the cells, with their units in docs/chute.md; ``part`` is the number of the part.
+    """
+    numbers = cells.drop(columns=["case_id", "cell"]).select_dtypes("number")
+    return polydata(
+        surface.vertices,
+        surface.triangles,
+        "Polys",
+        cells={
+            "part": surface.part,
+            **{name: numbers[name].to_numpy(dtype=float) for name in numbers},
+        },
+    )
 
 
 def particles_vtp(rows: pd.DataFrame, radius: float) -> str:

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import os
 
-from abradem.config.declaration import Config
+from abradem.config.declaration import UNKNOWN, Config
 from abradem.config.values import sampled_ranges, setup_dict
+from abradem.dem.cache import is_compiled
 
 SECONDS_PER_JOB = 2.5
 """Start-up time of a job, s: interpreter, imports, loading of compiled code."""
+
+COMPILES = (
+    "after the engine is compiled, once for this version of it on this machine: half a minute or "
+    "more"
+)
 
 _LOOKED_AT = 1000
 """Largest number of cases whose time is estimated; further cases are assumed to be similar."""
@@ -26,7 +32,8 @@ def estimate(config: Config, cores: int | None = None) -> str:
     Returns
     -------
     str
-        The time is estimated by `abradem.sampling.cost.case_seconds`.
+        The time is estimated by `abradem.sampling.cost.case_seconds`. If the engine has not been
+        compiled on this machine, the line says so, as this takes longer than a small study.
     """
     from abradem.sampling.cost import case_seconds
     from abradem.sampling.draw import block_cases
@@ -41,7 +48,12 @@ def estimate(config: Config, cores: int | None = None) -> str:
             f"{_count(len(rungs), 'rung')}, a job each"
         )
     if config.dataset.external is not None:
-        return f"{config.study}: learning from {config.dataset.external}, nothing is simulated"
+        line = f"{config.study}: learning from {config.dataset.external}, nothing is simulated"
+        unknown = [key for key in ("jet", "rate") if getattr(config.dataset, key) == UNKNOWN]
+        if unknown:
+            keys = " and ".join(f"dataset.{key}" for key in unknown)
+            line += f"; {keys} unknown, write stated if the study file says what they are"
+        return line
     cores = cores or os.cpu_count() or 1
     sampling = config.sampling
     jobs = config.jobs
@@ -49,14 +61,19 @@ def estimate(config: Config, cores: int | None = None) -> str:
     blocks = min(sampling.blocks, -(-_LOOKED_AT // size))
     ranges, setup = sampled_ranges(config), setup_dict(config)
     looked_at = [
-        block_cases(config.seed, block, size, sampling.method, ranges) for block in range(blocks)
+        case_seconds(block_cases(config.seed, block, size, sampling.method, ranges), setup)
+        for block in range(blocks)
     ]
-    each = sum(case_seconds(cases, setup).sum() for cases in looked_at) / (blocks * size)
-    seconds = (config.cases * each + jobs * SECONDS_PER_JOB) / min(cores, jobs)
+    each = sum(spent.sum() for spent in looked_at) / (blocks * size)
+    # The most expensive batch starts first, but cores cannot share it.
+    longest = max(spent[start:stop].sum() for spent in looked_at for start, stop in config.batches)
+    shared = (config.cases * each + jobs * SECONDS_PER_JOB) / min(cores, jobs)
+    seconds = max(shared, longest + SECONDS_PER_JOB)
     return (
         f"{config.study}: {_count(config.cases, 'case')} in {_count(sampling.blocks, 'block')}, "
         f"{_count(jobs, 'simulation job')}, simulated in about {_duration(seconds)} on "
         f"{_count(cores, 'core')}"
+        + ("" if is_compiled(config.simulation.stepping) else f", {COMPILES}")
     )
 
 

@@ -17,6 +17,8 @@ from abradem.elastic import (
     sphere_mass,
     youngs_modulus,
 )
+from abradem.geometry.build import prepared
+from abradem.geometry.shape import GeometryError
 from abradem.quantities import SAMPLED, check_value
 
 if TYPE_CHECKING:
@@ -50,10 +52,18 @@ def check_case(values: Mapping[str, float], setup: Setup | None = None) -> str:
             return problem
     if setup is None:
         return ""
+    if setup.geometry is not None and setup.surface is None:
+        try:
+            setup = prepared(setup, values)
+        except GeometryError as error:
+            return str(error)
     return _check_geometry(values, setup) or _check_impact(values, setup)
 
 
 def _check_geometry(values: Mapping[str, float], setup: Setup) -> str:
+    if setup.surface is not None:
+        # The engine releases no particle into the surface.
+        return ""
     radius = values["particle_radius"]
     narrow = min(setup.plate_length, setup.plate_width)
     if 2.0 * radius > narrow:
@@ -73,7 +83,10 @@ def _check_geometry(values: Mapping[str, float], setup: Setup) -> str:
 def _check_impact(values: Mapping[str, float], setup: Setup) -> str:
     """Check overlap and duration of a normal elastic impact (Hertz 1882) at the end of the fall."""
     radius = values["particle_radius"]
-    height, _ = setup.patch_place(values["factory_angle"])
+    if setup.surface is None or setup.feed is None:
+        height, _ = setup.patch_place(values["factory_angle"])
+    else:
+        height = setup.feed.centre[1] - float(setup.surface.vertices[:, 1].min())
     speed = math.sqrt(values["particle_velocity_y"] ** 2 + 2.0 * setup.gravity * height)
     if speed == 0.0:
         return "the particle neither starts with a velocity nor falls"

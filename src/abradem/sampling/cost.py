@@ -1,50 +1,97 @@
-"""Estimate of the computing time of simulations from their parameters, for the order of jobs.
+"""Estimate of the computing time of simulations from their parameters.
 
 Half of the computing time of a study is spent in a few of its cases. If such a case starts last,
-all cores but one wait for it. An estimate is enough to start the most expensive cases first. Only
-the order of the jobs depends on it: no result depends on it, and no step reruns if it changes.
+all cores but one wait for it, so the most expensive batches start first. The estimate also says
+before a run how long it will take. No result depends on it, and no step reruns if it changes.
+
+Time is spent on a case, on its samples, on each particle with its flights and impacts, and on each
+step in which a particle touches something (docs/scaling.md). All but the last are counted; how long
+a particle is in contact is described by powers, fitted to measured times of cases. It lies on the
+plate after its bounces if it has not left by then, so the time falls with the tilt, the speed and
+the restitution. In a crowded jet it meets others on its way out, and they take its speed whatever
+the restitution. On a level plate it lies until others push it off, so the time grows with that in
+which the feed covers the plate once.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from abradem.elastic import sphere_mass
+from abradem.dem.model import Setup
+from abradem.elastic import rayleigh_time, sphere_mass
 
-SECONDS_PER_PARTICLE = 3.6e-5
-"""Computing time of a particle that bounces off the plate, s."""
+STEP = 4.0e-8
+"""Computing time of one step of a particle that touches something, s (docs/scaling.md)."""
 
-SECONDS_IN_A_BED = 0.07
-"""Computing time of a particle of radius 10 mm in a bed, s. It is in contact in every step until it
-is pushed over an edge."""
+TRANSIENT = 0.5
+"""Usual simulated time before the steady window, s."""
 
-BED_RADIUS = 0.01
-BED_RADIUS_EXPONENT = 1.55
-BED_ANGLE = 8.0
-BED_SPEED = 1.56
-"""Decrease of the probability and cost of a bed: a power of the radius over `BED_RADIUS`, m, and
-exponential in the plate angle, deg, and in the impact speed, m/s. These constants and the two times
-were fitted, in logarithms, to the 200 cases of the paper's study. benchmarks/order.py compares the
-estimate with the times of a finished study and fits the constants to them."""
+PARTICLES = 0.13
+"""Particles in the steady window, times target_stderr squared, where particles do not lie on the
+plate. The stop rule asks for 0.12 (`abradem.dem.stop.PARTICLES`) and looks at intervals."""
 
-FEWEST_PARTICLES = 0.25
-"""Particles in a steady window times target_stderr squared: the squared relative spread of the wear
-of single particles."""
+PARTICLES_IN_A_BED = 8.0
+BED_ANGLE = 5.0
+"""On a level plate the window needs so many times more, as the wear of a bed varies for longer; the
+number falls by e for this angle, deg."""
 
-TRANSIENT_TIME = 1.0
-"""Simulated time before the steady window, s."""
+LEVEL = 0.1
+"""Sine of the plate angle at which being pushed off has lost most of its influence."""
+
+LEAST_LOSS = 0.05
+LEAST_ROLLING_FRICTION = 0.005
+LEAST_SPEED = 0.5
+"""Values of 1 - e, of the rolling friction and of the speed, m/s, below which the powers are not
+continued."""
 
 
-def case_seconds(cases: pd.DataFrame, setup: Mapping) -> np.ndarray:
-    """Estimate the computing time of cases, in seconds of one core.
+class Costs(NamedTuple):
+    """Constants of the estimate, fitted by ``benchmarks/order.py`` to finished studies.
 
-    The estimate is the number of particles released times the time per particle. A particle
-    bounces off or stays in a bed; beds form on flat plates under slow jets. The correlation with
-    the measured times is 0.98 in the paper's study (logarithms 0.90, ranks 0.82) and 0.75 in the
-    large study (0.86, 0.77).
+    Attributes
+    ----------
+    case, second, particle : float
+        Computing time of a case, of a simulated second, and of a particle with its flights and
+        impacts, s.
+    contact : float
+        Time in contact of a particle, s, where all factors below are 1: radius 10 mm, level plate,
+        impact at 4 m/s, e = 0.5, rolling friction 0.05, one particle met on a way through the jet,
+        the plate covered once a second.
+    radius, tilt, speed, restitution, rolling : float
+        Exponents of the radius, of exp(sine of the plate angle), of the speed, of 1 - e, and of
+        the rolling friction.
+    meeting : float
+        Exponent of the number of particles that one meets on a way as long as the patch.
+    cooling : float
+        Decrease of the exponent of 1 - e with the logarithm of that number.
+    cover : float
+        Exponent, on a level plate, of the time in which the feed covers the plate once.
+    """
+
+    case: float = 9.5e-3
+    second: float = 1.1e-4
+    particle: float = 1.2e-5
+    contact: float = 0.207
+    radius: float = -0.40
+    tilt: float = -7.1
+    speed: float = -1.24
+    restitution: float = 2.7
+    rolling: float = 0.37
+    meeting: float = 1.08
+    cooling: float = 1.09
+    cover: float = 1.14
+
+
+COSTS = Costs()
+
+
+def simulated_time(cases: pd.DataFrame, setup: Mapping) -> np.ndarray:
+    """Estimate the simulated time of cases, s: the transient and the window of the stop rule.
 
     Parameters
     ----------
@@ -56,19 +103,78 @@ def case_seconds(cases: pd.DataFrame, setup: Mapping) -> np.ndarray:
     Returns
     -------
     ndarray, shape (n,)
-        Seconds.
+    """
+    level = np.exp(-np.abs(cases["plate_angle"].to_numpy()) / BED_ANGLE)
+    asked = PARTICLES / setup["target_stderr"] ** 2 * (1.0 + PARTICLES_IN_A_BED * level)
+    window = np.maximum(setup["window"], asked / _rate(cases, setup))
+    return np.minimum(TRANSIENT + window, setup["max_time"])
+
+
+def contact_time(cases: pd.DataFrame, setup: Mapping, costs: Costs = COSTS) -> np.ndarray:
+    """Estimate for how long a particle of each case is in contact, s.
+
+    It is at most half of the simulated time: so long are particles present on average if none
+    leaves.
+
+    Parameters
+    ----------
+    cases, setup
+        See `case_seconds`.
+    costs : Costs
+
+    Returns
+    -------
+    ndarray, shape (n,)
     """
     radius = cases["particle_radius"].to_numpy()
-    mass = sphere_mass(radius, cases["particle_density"].to_numpy())
-    rate = setup["number_rate"] or setup["mass_rate"] / mass
-    window = np.maximum(setup["window"], FEWEST_PARTICLES / setup["target_stderr"] ** 2 / rate)
-    time = np.minimum(TRANSIENT_TIME + window, setup["max_time"])
-    # The height at a factory angle of 0 is enough for an estimate.
-    fall = 2.0 * setup["gravity"] * setup["fall_height"]
-    speed = np.sqrt(cases["particle_velocity_y"].to_numpy() ** 2 + fall)
-    rest = np.exp(-np.abs(cases["plate_angle"].to_numpy()) / BED_ANGLE - speed / BED_SPEED)
-    in_a_bed = SECONDS_IN_A_BED * (BED_RADIUS / radius) ** BED_RADIUS_EXPONENT * rest
-    return rate * time * (SECONDS_PER_PARTICLE + in_a_bed)
+    size = np.log(radius / 0.01)
+    tilt = np.sin(np.radians(np.abs(cases["plate_angle"].to_numpy())))
+    loss = np.log(np.maximum(1.0 - cases["restitution"].to_numpy(), LEAST_LOSS) / 0.5)
+    rolling = np.maximum(cases["rolling_friction"].to_numpy(), LEAST_ROLLING_FRICTION)
+    plate = setup["plate_length"] * setup["plate_width"]
+    patch = setup["patch_length"] * setup["patch_width"]
+    cover = plate / (math.pi * radius**2) / _rate(cases, setup)
+    speed = _impact_speed(cases, setup)
+    # Particles met on a way as long as the patch: their number there times the cross-section.
+    met = np.log(_rate(cases, setup) / (speed * math.sqrt(patch)) * (4.0 * math.pi * radius**2))
+    time = costs.contact * np.exp(
+        costs.radius * size
+        + costs.tilt * tilt
+        + costs.speed * np.log(speed / 4.0)
+        + np.maximum(costs.restitution - costs.cooling * met, 0.0) * loss
+        + costs.rolling * np.log(rolling / 0.05)
+        + costs.meeting * met
+        + costs.cover * np.exp(-tilt / LEVEL) * np.log(cover)
+    )
+    return 1.0 / (1.0 / time + 2.0 / simulated_time(cases, setup))
+
+
+def case_seconds(cases: pd.DataFrame, setup: Mapping, costs: Costs = COSTS) -> np.ndarray:
+    """Estimate the computing time of cases with the stepping ``islands``, s of one core.
+
+    Parameters
+    ----------
+    cases : pandas.DataFrame
+        Table of cases, n rows.
+    setup : mapping
+        Plain values of the `Setup`.
+    costs : Costs
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Seconds.
+    """
+    step = setup["time_step_fraction"] * rayleigh_time(
+        cases["particle_radius"].to_numpy(),
+        cases["particle_density"].to_numpy(),
+        cases["particle_shear_modulus"].to_numpy(),
+        cases["particle_poisson_ratio"].to_numpy(),
+    )
+    time = simulated_time(cases, setup)
+    particles = _rate(cases, setup) * time
+    each = costs.particle + contact_time(cases, setup, costs) / step * STEP
+    return costs.case + costs.second * time + particles * each
 
 
 def batch_seconds(
@@ -92,3 +198,17 @@ def batch_seconds(
     """
     seconds = case_seconds(cases, setup)
     return [float(seconds[start:stop].sum()) for start, stop in batches]
+
+
+def _rate(cases, setup):
+    """Particles per second."""
+    mass = sphere_mass(cases["particle_radius"].to_numpy(), cases["particle_density"].to_numpy())
+    return (setup["number_rate"] or setup["mass_rate"] / mass) * np.ones(len(cases))
+
+
+def _impact_speed(cases, setup):
+    """Speed at the centre of the plate after the fall from the patch, m/s."""
+    place = Setup.from_dict(setup).patch_place
+    height = np.array([place(angle)[0] for angle in cases["factory_angle"]])
+    speed2 = cases["particle_velocity_y"].to_numpy() ** 2 + 2.0 * setup["gravity"] * height
+    return np.maximum(np.sqrt(speed2), LEAST_SPEED)

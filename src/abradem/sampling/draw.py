@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from abradem.quantities import SAMPLED_NAMES
+from abradem.quantities import GEOMETRY_UNITS, SAMPLED_NAMES
 from abradem.sampling.checks import check_case
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ def block_cases(
     method: str,
     ranges: Mapping[str, Sequence[float]],
     setup: Setup | None = None,
+    geometry: Mapping[str, Sequence[float]] | None = None,
 ) -> pd.DataFrame:
     """Draw one block of cases.
 
@@ -52,6 +53,9 @@ def block_cases(
         quantity with equal bounds is fixed.
     setup : Setup, optional
         If given, each parameter set is also checked against it, see `check_case`.
+    geometry : mapping of str to (float, float), optional
+        Lower and upper bound of the sampled quantities of the geometry, of
+        `abradem.quantities.GEOMETRY_UNITS`; they are further dimensions of the draw.
 
     Returns
     -------
@@ -67,15 +71,18 @@ def block_cases(
     """
     import pandas as pd
 
+    extra = dict(geometry or {})
     missing = [name for name in SAMPLED_NAMES if name not in ranges]
     unknown = [name for name in ranges if name not in SAMPLED_NAMES]
+    unknown += [name for name in extra if name not in GEOMETRY_UNITS]
     if missing or unknown:
         raise ValueError(f"ranges: missing {missing}, unknown {unknown}")
-    lower, upper = np.array([ranges[name] for name in SAMPLED_NAMES], dtype=float).T
+    names = (*SAMPLED_NAMES, *extra)
+    lower, upper = np.array([{**ranges, **extra}[name] for name in names], dtype=float).T
     if not (np.isfinite(lower).all() and np.isfinite(upper).all() and (lower <= upper).all()):
         raise ValueError("ranges: bounds must be finite, the lower not above the upper")
 
-    points = _unit_points(seed, block, cases_per_block, method)
+    points = _unit_points(seed, block, cases_per_block, method, len(names))
     # Rounding must not move a value beyond its bound.
     values = np.clip(lower + points * (upper - lower), lower, upper)
 
@@ -85,10 +92,10 @@ def block_cases(
             "case_id": case_id,
             "block": np.full(cases_per_block, block, dtype=np.int32),
             "seed": np.array([case_seed(seed, int(case)) for case in case_id], dtype=np.int64),
-            **dict(zip(SAMPLED_NAMES, values.T, strict=True)),
+            **dict(zip(names, values.T, strict=True)),
         }
     )
-    rows = frame[list(SAMPLED_NAMES)].to_dict("records")
+    rows = frame[list(names)].to_dict("records")
     frame["rejected"] = pd.array([check_case(row, setup) for row in rows], dtype="str")
     return frame
 
@@ -99,9 +106,8 @@ def case_seed(study_seed: int, case_id: int) -> int:
     return int.from_bytes(digest[:8], "little") >> 1
 
 
-def _unit_points(seed: int, block: int, cases: int, method: str) -> np.ndarray:
-    """Return points in the unit cube, shape (cases, 14)."""
-    dimensions = len(SAMPLED_NAMES)
+def _unit_points(seed: int, block: int, cases: int, method: str, dimensions: int) -> np.ndarray:
+    """Return points in the unit cube, shape (cases, dimensions)."""
     if method == "uniform":
         return _generator(seed, block).random((cases, dimensions))
     from scipy.stats import qmc

@@ -21,7 +21,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from abradem.dem.model import Case, Setup, SimulationResult
-from abradem.quantities import SAMPLED_NAMES, WEAR_MEASURES
+from abradem.geometry.build import mesh_file, prepared
+from abradem.quantities import GEOMETRY_NAMES, SAMPLED_NAMES, WEAR_MEASURES
+from abradem.simulation.cell_columns import CELL_TYPES, cell_columns
+from abradem.store.checksums import sha256_of
 from abradem.store.locks import locked
 
 TABLES = ("series", "maps", "parts", "runs")
@@ -51,9 +54,12 @@ def case_key(row: Mapping, setup: Mapping, code: str) -> str:
     code : str
         Hash of the simulation code.
     """
-    values = {name: float(row[name]) for name in SAMPLED_NAMES}
+    names = (*SAMPLED_NAMES, *(name for name in GEOMETRY_NAMES if name in row))
+    values = {name: float(row[name]) for name in names}
     identity = {name: int(row[name]) for name in ("case_id", "block", "seed")}
     content = [values, identity, str(row["rejected"]), setup, code]
+    if mesh := mesh_file(setup.get("geometry")):
+        content.append(sha256_of(mesh))
     text = json.dumps(content, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
@@ -86,17 +92,18 @@ def run_case(
         installation. Another attempt may succeed, so the error must not become a result.
     """
     if row["rejected"]:
-        return _without_result(row, f"rejected: {row['rejected']}")
+        return _without_result(row, setup, f"rejected: {row['rejected']}")
     from abradem.dem import simulate
 
     watched = {} if progress is None else {"progress": progress}
     try:
-        result = simulate(Case.from_row(row), Setup.from_dict(setup), **watched)
+        built = prepared(Setup.from_dict(setup), row)
+        result = simulate(Case.from_row(row), built, **watched)
     except ValueError as error:
         # The engine refuses a case that it cannot integrate; the other cases continue.
-        return _without_result(row, f"refused: {error}")
+        return _without_result(row, setup, f"refused: {error}")
     except ArithmeticError as error:
-        return _without_result(row, f"failed: {type(error).__name__}: {error}")
+        return _without_result(row, setup, f"failed: {type(error).__name__}: {error}")
     return result_tables(row, result)
 
 
@@ -169,11 +176,10 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
 
     from abradem.dem import warm
     from abradem.dem.model import Setup
-    from abradem.store.checksums import sha256_of
     from abradem.store.files import write_json
     from abradem.store.tables import write_table
 
-    if not row["rejected"]:
+    if not row["rejected"] and not setup.get("geometry"):
         # Otherwise the time of the first case of a job would include half a second of loading.
         warm.load(setup.get("stepping", Setup.stepping))
     start = time.process_time()
@@ -191,7 +197,6 @@ def _kept(paths: Mapping) -> dict | None:
 
     The checksums are compared because a table with a damaged name or type may still be read.
     """
-    from abradem.store.checksums import sha256_of
     from abradem.store.files import TableError, read_json
     from abradem.store.tables import read_table
 
@@ -250,7 +255,9 @@ def result_tables(row: Mapping, result: SimulationResult) -> dict:
     series["delivered_mass"] = result.delivered_mass
     series["particles_present"] = result.present
 
-    facet_x, facet_z = np.indices(result.facet_wear.shape[1:], dtype=np.int32)
+    # The cells of a surface are a column of facets.
+    wear = result.facet_wear.reshape(*result.facet_wear.shape[:2], -1)
+    facet_x, facet_z = np.indices(wear.shape[1:], dtype=np.int32)
     maps = pd.DataFrame(
         {
             "case_id": np.full(facet_x.size, case_id),
@@ -259,17 +266,20 @@ def result_tables(row: Mapping, result: SimulationResult) -> dict:
         }
     )
     for index, measure in enumerate(WEAR_MEASURES):
-        maps[f"wear_{measure}"] = result.facet_wear[index].ravel()
+        maps[f"wear_{measure}"] = wear[index].ravel()
+    if result.setup.surface is not None:
+        maps = maps.assign(**cell_columns(result.setup.surface, result.cell_sums))
 
     numbers = {name: float(getattr(result, name)) for name in _RUN_NUMBERS}
     numbers["window_start"], numbers["window_end"] = (float(end) for end in result.window)
     counts = {name: int(getattr(result, name)) for name in ("released", "removed")}
     counts["settled"] = bool(result.settled)
-    counts["window_parts"] = len(result.facet_wear_parts)
+    parts = result.facet_wear_parts
+    counts["window_parts"] = len(parts)
     return {
         "series": series,
         "maps": maps,
-        "parts": _parts(case_id, result.facet_wear_parts),
+        "parts": _parts(case_id, parts.reshape(*parts.shape[:3], -1)),
         "runs": _run_row(row, result.status, numbers, counts),
     }
 
@@ -302,7 +312,7 @@ def _parts(case_id: int, wear):
     return table
 
 
-def _without_result(row: Mapping, status: str) -> dict:
+def _without_result(row: Mapping, setup: Mapping, status: str) -> dict:
     """Return the tables of a case that was not simulated."""
     import numpy as np
     import pandas as pd
@@ -314,11 +324,14 @@ def _without_result(row: Mapping, status: str) -> dict:
     present = {"case_id": "int64", "particles_present": "int32"}
     wear = tuple(f"wear_{measure}" for measure in WEAR_MEASURES)
     integers = dict.fromkeys(("case_id", "facet_x", "facet_z"), "int64")
+    cells = CELL_TYPES if setup.get("geometry") else {}
     return {
         "series": pd.DataFrame(
             columns=("case_id", *series, "particles_present"), dtype=float
         ).astype(present),
-        "maps": pd.DataFrame(columns=(*integers, *wear), dtype=float).astype(integers),
+        "maps": pd.DataFrame(columns=(*integers, *wear, *cells), dtype=float).astype(
+            {**integers, **cells}
+        ),
         "parts": _parts(int(row["case_id"]), np.empty((0, len(WEAR_MEASURES), 0, 0))),
         "runs": _run_row(row, status, numbers, counts),
     }

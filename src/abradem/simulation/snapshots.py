@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.dem.model import Case, Setup
+from abradem.geometry.build import prepared
 from abradem.quantities import WEAR_MEASURES
 from abradem.store.columns import SNAPSHOTS
 from abradem.store.tables import write_table
@@ -59,10 +60,12 @@ class Recorder:
         )
         self._add("contacts", time, pd.concat([plate, between], ignore_index=True))
 
-        facet_x, facet_z = np.indices(state.facet_wear.shape[1:], dtype=np.int32)
+        # The cells of a surface are a column of facets.
+        worn = state.facet_wear.reshape(*state.facet_wear.shape[:2], -1)
+        facet_x, facet_z = np.indices(worn.shape[1:], dtype=np.int32)
         wear = pd.DataFrame({"facet_x": facet_x.ravel(), "facet_z": facet_z.ravel()})
         for index, measure in enumerate(WEAR_MEASURES):
-            wear[f"wear_{measure}"] = state.facet_wear[index].ravel().copy()
+            wear[f"wear_{measure}"] = worn[index].ravel().copy()
         self._add("wear", time, wear)
 
     def tables(self) -> dict[str, pd.DataFrame]:
@@ -97,7 +100,7 @@ def write_snapshots(case: Case, setup: Setup, folder: str | Path, interval: floa
     from abradem.dem import simulate
 
     recorder = Recorder(interval)
-    simulate(case, setup, recorder=recorder)
+    simulate(case, prepared(setup, vars(case)), recorder=recorder)
     for name, frame in recorder.tables().items():
         write_table(frame, Path(folder) / f"{name}.parquet", extra=SNAPSHOTS)
 

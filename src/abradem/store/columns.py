@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from abradem.quantities import (
+    GEOMETRY_UNITS,
     QUANTITIES,
     STATISTICS,
     TARGET,
@@ -67,6 +68,27 @@ MAPS = {
         for measure in WEAR_MEASURES
     },
 }
+
+
+GEOMETRY = {
+    name: Column(unit, f"{name.replace('_', ' ')} of the geometry")
+    for name, unit in GEOMETRY_UNITS.items()
+}
+
+
+CELLS = {
+    "part_name": Column("1", "part of the surface", "string"),
+    "cell_area": Column("m2", "area of the cell"),
+    "impacts": Column("1", "impacts in the window"),
+    "impact_speed": Column("m/s", "mean speed of the impacts"),
+    "impact_angle": Column("deg", "mean angle of the impacts from the normal"),
+    "normal_work": Column("J", "work of the normal force in the window, absolute in each step"),
+    "tangential_work": Column(
+        "J", "work of the tangential force in the window, absolute in each step"
+    ),
+    "normal_impulse": Column("N s", "impulse of the normal force in the window"),
+}
+"""Columns of the maps of a surface, whose cells are counted by facet_x."""
 
 
 PARTS = {
@@ -283,9 +305,11 @@ MODELS = {
 COLUMNS: dict[str, Column] = {
     **KEYS,
     **{q.name: Column(q.unit, LABELS[q.name].long_name) for q in QUANTITIES},
+    **GEOMETRY,
     **CASES,
     **SERIES,
     **MAPS,
+    **CELLS,
     **PARTS,
     **RUNS,
     **TIMES,
@@ -317,6 +341,39 @@ SNAPSHOTS = {
 """Tables of `abradem.simulation.snapshots`."""
 
 
+CELL_TABLE = {
+    "cell": Column("1", "number of the cell in the surface", "int64"),
+    **{axis: Column("m", f"centre of the cell along {axis}") for axis in "xyz"},
+    **{f"normal_{axis}": Column("1", f"unit normal of the cell along {axis}") for axis in "xyz"},
+    **{
+        f"depth_rate_{measure}": Column(
+            "mm/s", f"wear depth rate of the cell in the window ({MEASURE_WORDS[measure]})"
+        )
+        for measure in WEAR_MEASURES
+    },
+    "area": Column("m2", "area of the part"),
+}
+"""Tables of `abradem.wear.surface_cells`."""
+
+
+PART_EFFECTS = {
+    "quantity": Column("1", "quantity that varied", "string"),
+    "unit": Column("1", "unit of the quantity", "string"),
+    "cases": Column("1", "cases with a rate", "int64"),
+    "rank_correlation": Column("1", "rank correlation of the quantity and the wear rate"),
+    **{
+        name: Column("1", f"{words}, in the unit of the column unit")
+        for name, words in (
+            ("low_from", "smallest value"), ("low_to", "largest value of the lower third"),
+            ("high_from", "smallest value of the upper third"), ("high_to", "largest value"),
+        )
+    },
+    "low_rate": Column("mm/s", "mean wear depth rate in the lower third of the values"),
+    "high_rate": Column("mm/s", "mean wear depth rate in the upper third of the values"),
+}  # fmt: skip
+"""Table of `abradem.wear.part_effects`."""
+
+
 MAP_RATES = {
     "x": Column("mm", "centre of the facet along the slope, from the centre of the plate"),
     "z": Column("mm", "centre of the facet across the slope, from the centre of the plate"),
@@ -328,6 +385,14 @@ MAP_RATES = {
     },
 }
 """Map of a case of one's own, `abradem.cli.case_files`."""
+
+
+PREDICTED_MAP = {
+    "x": Column("mm", "centre of the element along the slope, from the centre of the plate"),
+    "z": Column("mm", "centre of the element across the slope, from the centre of the plate"),
+    "depth_rate": Column("mm/s", "wear depth rate of the element that the map surrogate predicts"),
+}
+"""Map of `abradem predict --map`, `abradem.cli.predict_map`."""
 
 
 PREDICTED = {
@@ -442,7 +507,8 @@ CALIBRATION = {
 
 VERIFICATION = {
     **_columns("1", "int64", part="part of the study", steps="steps per contact",
-               replicate="number of the replicate", facets="facets along the length"),
+               replicate="number of the replicate", facets="facets along the length",
+               segment="segment of the chute, or axis of the impulse"),
     **_columns(
         "1", "string",
         law="what is compared", unit="unit of ours and reference", kind="kind of tolerance",
@@ -489,6 +555,7 @@ VERIFICATION = {
     **_columns("mm/s", depth_rate="depth rate of the plate mean",
                depth_stderr="standard error of the depth rate"),
     **_columns("J", work="work"),
+    **_columns("N s", spread="standard deviation between nudged particles of this engine"),
     **_columns("W", rate="rate of F_n ds, W = 1", rate_stderr="standard error of the rate"),
     **_columns("N", tangential_force="tangential force", normal_force="normal force",
         our_normal="normal force, ours", our_tangential="tangential force, ours",

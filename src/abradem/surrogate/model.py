@@ -16,37 +16,30 @@ Only numpy and safetensors are needed here; torch, scikit-learn, numba and panda
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abradem.dataset.variation import SAME, held_fixed, scales_of
-from abradem.quantities import SAMPLED, SAMPLED_NAMES, impossible, quantity
 from abradem.store.checksums import damage, remedy
 from abradem.store.errors import TableError
 from abradem.store.files import read_arrays, read_json
-from abradem.surrogate.groups import Jet, group_columns, squared_impact_speed, wear_scale
-from abradem.surrogate.parts import NETWORKS, PartError, check_arrays, check_description
+from abradem.surrogate.domain import Domain, warnings_on
+from abradem.surrogate.groups import Jet, group_columns, wear_scale
+from abradem.surrogate.inputs import PredictionError, checked_columns
+from abradem.surrogate.networks import RateModel, rate_models
+from abradem.surrogate.parts import PartError, check_arrays, check_description, local_names
 
 BLOCK = 4096
 """Number of rows computed at once, few enough for the processor's cache."""
 
 SECONDS_PER_HOUR = 3600.0
 
-SLACK = 0.01
-"""Share of a training range by which a value may be outside it without a warning: the cases of a
-study do not reach the exact ends of its ranges."""
-
-
-class PredictionError(ValueError):
-    """The model cannot be read, or the values are invalid; the message has one line per problem."""
-
 
 class Prediction(NamedTuple):
-    """Wear depth rates of n cases, in the mean over the plate or of the target of the study.
+    """Wear depth rates of n cases at one place of the plate, such as its mean or worst element.
 
     Attributes
     ----------
@@ -55,7 +48,8 @@ class Prediction(NamedTuple):
     confidence : float
         Level of the interval: the share of simulated cases inside such intervals.
     warnings : list of str
-        Values outside the training ranges, one line for each quantity.
+        What is unlike the training cases, see `abradem.surrogate.domain`: one line for each
+        quantity, and one on cases that are far from all of them.
     """
 
     rate: np.ndarray
@@ -70,8 +64,8 @@ class Prediction(NamedTuple):
         Parameters
         ----------
         depth : float
-            Wear depth, mm, of what the surrogate predicts: in the mean over the plate, unless the
-            study chose another target. Single places are worn deeper.
+            Wear depth, mm, of what the rate is that was predicted: in the mean over the plate, for
+            example. Nothing is worn deeper than the worst element.
 
         Returns
         -------
@@ -112,8 +106,11 @@ class Surrogate:
         Training range of each sampled quantity.
     group_mean, group_scale : ndarray, shape (10,)
         Scaling of the groups.
-    layers : dict of str to list
-        Weights and biases of both networks.
+    models : dict of str to RateModel
+        Networks and held-out errors of each wear rate by its name; the target of the study is the
+        first.
+    domain : Domain or None
+        The training cases, if the surrogate holds them.
     """
 
     def __init__(self, description: Mapping, arrays: Mapping[str, np.ndarray]):
@@ -123,21 +120,36 @@ class Surrogate:
             feature["name"]: tuple(feature["training_range"]) for feature in description["features"]
         }
         self.group_mean, self.group_scale = arrays["group_mean"], arrays["group_scale"]
-        self.layers = {name: _layers(arrays, name) for name in NETWORKS}
-        self._quantiles = np.sort(arrays["conformal"])
+        self.models = rate_models(description, arrays)
+        self.domain = (
+            Domain(arrays["domain_rows"], arrays["domain_slopes"], description["domain"]["limit"])
+            if "domain" in description
+            else None
+        )
 
     usual_confidence = 0.95
     """Level of an interval for which no level is asked."""
 
     @property
-    def score_count(self) -> int:
-        """Number of held-out errors behind the intervals."""
-        return len(self._quantiles)
-
-    @property
     def highest_confidence(self) -> float:
-        """Highest level of an interval that the held-out errors can promise."""
-        return highest_level(self.score_count)
+        """Highest level of an interval that the held-out errors of the target can promise."""
+        return highest_level(self.model().score_count)
+
+    def model(self, target: str | None = None) -> RateModel:
+        """Model of a wear rate; by default of the target of the study.
+
+        Raises
+        ------
+        PredictionError
+            If the surrogate does not predict this wear rate.
+        """
+        if target is None:
+            return next(iter(self.models.values()))
+        if target not in self.models:
+            raise PredictionError(
+                f"target {target!r}: this surrogate predicts {', '.join(self.models)}"
+            )
+        return self.models[target]
 
     @classmethod
     def load(cls, path: str | Path) -> Surrogate:
@@ -170,18 +182,33 @@ class Surrogate:
             description, arrays = read_json(files[0]), read_arrays(files[1])
         except TableError as error:
             raise PredictionError(str(error)) from None
-        for file, check, content in zip(
-            files, (check_description, check_arrays), (description, arrays), strict=True
-        ):
-            try:
-                check(content)
-            except PartError as error:
-                line = f"{file}: damaged, or not a surrogate ({error}){remedy(file)}"
-                raise PredictionError(line) from None
+        file = files[0]
+        try:
+            check_description(description)
+            file = files[1]
+            check_arrays(arrays, local_names(description), "domain" in description)
+        except PartError as error:
+            line = f"{file}: damaged, or not a surrogate ({error}){remedy(file)}"
+            raise PredictionError(line) from None
         return cls(description, arrays)
 
-    def predict(
+    def predict_all(
         self, values: Mapping[str, ArrayLike], confidence: float | None = None
+    ) -> dict[str, Prediction]:
+        """Predict every wear rate of the surrogate, see `predict`.
+
+        Returns
+        -------
+        dict of str to Prediction
+            By the names of the wear rates, that of the study first.
+        """
+        return {name: self.predict(values, confidence, name) for name in self.models}
+
+    def predict(
+        self,
+        values: Mapping[str, ArrayLike],
+        confidence: float | None = None,
+        target: str | None = None,
     ) -> Prediction:
         """Predict the wear depth rates of some cases.
 
@@ -193,6 +220,8 @@ class Surrogate:
         confidence : float, optional
             Level of the interval, above 0 and at most `highest_confidence`. The default is 0.95,
             or `highest_confidence` if that is lower.
+        target : str, optional
+            One of `models`, such as "wear_friction_max"; by default the target of the study.
 
         Returns
         -------
@@ -203,25 +232,29 @@ class Surrogate:
         ------
         PredictionError
             If a quantity is missing, not a number, or physically impossible, if the level is higher
-            than the held-out errors can promise, or if the rate is not a positive number.
+            than the held-out errors can promise, if the surrogate has no such target, or if the
+            rate is not a positive number.
         """
-        columns = _columns(values, self.jet)
+        asked = self.model(target)
+        columns = checked_columns(values, self.jet)
         if confidence is None:
-            confidence = min(self.usual_confidence, self.highest_confidence)
-        factor = self._factor(confidence)
+            confidence = min(self.usual_confidence, highest_level(asked.score_count))
+        factor = self._factor(asked, confidence)
         rows = len(next(iter(columns.values())))
-        rate, ratio = np.empty(rows), np.empty(rows)
+        rate, ratio, far = np.empty(rows), np.empty(rows), np.zeros(rows, dtype=bool)
         for first in range(0, rows, BLOCK):
             part = slice(first, first + BLOCK)
             block = {name: column[part] for name, column in columns.items()}
-            z = np.empty((len(block["plate_angle"]), len(self.group_mean)), dtype=np.float32)
-            for place, column in enumerate(group_columns(block, self.jet)):
-                z[:, place] = (column - self.group_mean[place]) / self.group_scale[place]
-            mean, spread = (_run(self.layers[name], z).astype(float) for name in NETWORKS)
+            z = self._standardised(block)
+            mean, spread = asked.log_number(z)
+            if asked.at_least is not None:
+                mean = np.maximum(mean, self.models[asked.at_least].log_number(z)[0])
             # What overflows is refused below, or makes an interval without an upper end.
             with np.errstate(over="ignore"):
                 rate[part] = wear_scale(block, self.jet) * np.exp(mean)
                 ratio[part] = np.exp(factor * np.exp(spread))
+            if self.domain is not None:
+                far[part] = self.domain.distance(z) > self.domain.limit
         wrong = ~(np.isfinite(rate) & (rate > 0.0))
         if wrong.any():
             place = int(np.argmax(wrong))
@@ -232,58 +265,38 @@ class Surrogate:
             )
         with np.errstate(over="ignore"):
             lower, upper = rate / ratio, rate * ratio
-        return Prediction(rate, lower, upper, confidence, self._outside(columns))
+        warnings = warnings_on(
+            columns, self.ranges, lambda some: asked.log_number(self._standardised(some)), far
+        )
+        return Prediction(rate, lower, upper, confidence, warnings)
 
-    def _factor(self, confidence: float) -> float:
+    def _standardised(self, columns: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Standardised groups, shape (n, 10), of checked quantities (n,)."""
+        z = np.empty((len(columns["plate_angle"]), len(self.group_mean)))
+        for place, column in enumerate(group_columns(columns, self.jet)):
+            z[:, place] = (column - self.group_mean[place]) / self.group_scale[place]
+        return z
+
+    def _factor(self, model: RateModel, confidence: float) -> float:
         """Half width of the interval in standard deviations, a quantile of held-out errors."""
         if not 0.0 < confidence < 1.0:
             hint = (
                 f"; write {confidence / 100.0:g} for {confidence:g} %" if confidence > 1.0 else ""
             )
             raise PredictionError(f"confidence = {confidence!r} must lie between 0 and 1{hint}")
-        if confidence > self.highest_confidence:
+        if confidence > highest_level(model.score_count):
             raise PredictionError(
-                f"confidence = {confidence!r}: the intervals rest on {self.score_count} held-out "
-                f"errors, which promise at most {self.highest_confidence:.4g}"
+                f"confidence = {confidence!r}: the intervals rest on {model.score_count} held-out "
+                f"errors, which promise at most {highest_level(model.score_count):.4g}"
             )
-        return conformal_quantile(self._quantiles, confidence)
-
-    def _outside(self, columns: Mapping[str, np.ndarray]) -> list[str]:
-        lines = []
-        for name, (low, high) in self.ranges.items():
-            column = columns[name]
-            ends, scale = np.array([[low], [high]]), scales_of([name])
-            fixed = bool(held_fixed(ends, scale)[0])
-            # A quantity held fixed is the same value if it differs by float noise alone.
-            least = SAME * max(abs(low), abs(high), float(scale[0]))
-            slack = least if fixed else SLACK * (high - low)
-            beyond = (column < low - slack) | (column > high + slack)
-            # The wear is exactly proportional to the Archard constant, in any range.
-            if name == "archard_constant" or not beyond.any():
-                continue
-            row, count = quantity(name), int(beyond.sum())
-            unit = "" if row.unit == "1" else f" {row.unit}"
-            place = int(np.argmax(beyond))
-            where = "" if len(column) == 1 else f" in row {place + 1}"
-            shown = f"{name} = {column[place]:g}{unit}{where}"
-            more = "" if count == 1 else f" (and {count - 1} more)"
-            if fixed:
-                lines.append(
-                    f"{shown}{more}: this quantity was held fixed at {low:g}{unit} in training; "
-                    "its effect is unknown to the model, the interval does not hold"
-                )
-                continue
-            lines.append(
-                f"{shown}{more} is outside the training range {low:g} ... {high:g}{unit}: "
-                "extrapolated, the interval does not hold"
-            )
-        return lines
+        return conformal_quantile(model.scores, confidence)
 
 
 def predict(
     values: Mapping[str, ArrayLike],
     model: str | Path | Surrogate = "results/paper/models/surrogate",
     confidence: float | None = None,
+    target: str | None = None,
 ) -> Prediction:
     """Predict wear depth rates and their intervals with the surrogate of a study.
 
@@ -296,6 +309,9 @@ def predict(
         Stem of the files, such as results/paper/models/surrogate.
     confidence : float, optional
         Level of the interval; 0.95, or the highest that the surrogate can promise, by default.
+    target : str, optional
+        Wear rate, such as "wear_friction_max" (the worst element), "wear_friction_p99",
+        "wear_friction_footprint" or "wear_friction_mean"; by default the target of the study.
 
     Returns
     -------
@@ -308,7 +324,7 @@ def predict(
         If the model cannot be read, or a value is invalid.
     """
     surrogate = model if isinstance(model, Surrogate) else Surrogate.load(model)
-    return surrogate.predict(values, confidence)
+    return surrogate.predict(values, confidence, target)
 
 
 def highest_level(count: int) -> float:
@@ -345,52 +361,3 @@ def conformal_quantile(ordered: np.ndarray, confidence: float) -> float:
             f"which {count} scores can promise"
         )
     return float(ordered[rank - 1])
-
-
-def _columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
-    """The sampled quantities, checked, as arrays of the same length."""
-    missing = [name for name in SAMPLED_NAMES if name not in values]
-    if missing:
-        raise PredictionError(f"missing: {', '.join(missing)}")
-    columns = {}
-    problems = []
-    for row in SAMPLED:
-        try:
-            column = np.atleast_1d(np.asarray(values[row.name], dtype=float))
-        except (TypeError, ValueError):
-            problems.append(f"{row.name} = {values[row.name]!r} is not a number")
-            continue
-        low, high = row.limits
-        wrong = ~((column >= low) & (column <= high))
-        if wrong.any():
-            place = int(np.argmax(wrong))
-            where = "" if len(column) == 1 else f" in row {place + 1}"
-            problems.append(str(impossible(row.name, float(column[place]), where)))
-        columns[row.name] = column
-    if problems:
-        raise PredictionError("\n".join(problems))
-    try:
-        columns = dict(zip(columns, np.broadcast_arrays(*columns.values()), strict=True))
-    except ValueError:
-        lengths = {name: len(column) for name, column in columns.items() if len(column) > 1}
-        raise PredictionError(f"columns of different length: {lengths}") from None
-    if not np.all(squared_impact_speed(columns, jet) > 0.0):
-        raise PredictionError("particles without initial velocity that do not fall cause no wear")
-    return columns
-
-
-def _layers(arrays: Mapping[str, np.ndarray], name: str) -> Sequence[tuple[np.ndarray, np.ndarray]]:
-    count = sum(key.startswith(f"{name}_weights_") for key in arrays)
-    if not count:
-        raise KeyError(f"{name}_weights_0")
-    return [(arrays[f"{name}_weights_{i}"], arrays[f"{name}_biases_{i}"]) for i in range(count)]
-
-
-def _run(layers: Sequence[tuple[np.ndarray, np.ndarray]], z: np.ndarray) -> np.ndarray:
-    """Output of a network with rectified linear units for rows (n, p), shape (n,)."""
-    for place, (weights, biases) in enumerate(layers):
-        if place:
-            np.maximum(z, 0.0, out=z)
-        z = z @ weights
-        z += biases
-    return z[:, 0]

@@ -9,6 +9,7 @@ the functions of `abradem.surrogate.groups` run on symbols that record each oper
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from abradem.quantities import SAMPLED_NAMES
 from abradem.store.files import replacing
 from abradem.surrogate.groups import group_columns, wear_scale
 from abradem.surrogate.model import Surrogate
+from abradem.surrogate.networks import Layers
 from abradem.surrogate.parts import NETWORKS
 
 OPSET = 17
@@ -88,19 +90,23 @@ def export_onnx(surrogate: Surrogate, path: str | Path) -> None:
     centred = graph.node("Sub", groups, graph.constant(surrogate.group_mean))
     scaled = graph.node("Div", centred, graph.constant(surrogate.group_scale))
     z = graph.node("Cast", scaled, to=TensorProto.FLOAT)
-    outputs = []
-    for network in NETWORKS:
+
+    # A symbol, which numpy functions take.
+    def output(layers: Layers) -> Any:
         value = z
-        for place, (weights, biases) in enumerate(surrogate.layers[network]):
+        for place, (weights, biases) in enumerate(layers):
             value = graph.node("Relu", value) if place else value
             value = graph.node(
                 "Gemm", value, graph.constant(weights, np.float32),
                 graph.constant(biases, np.float32),
             )  # fmt: skip
         squeezed = graph.node("Squeeze", value, axis)
-        wide = graph.node("Cast", squeezed, to=TensorProto.DOUBLE)
-        outputs.append(_Symbol(graph, wide))
-    mean, spread = outputs
+        return _Symbol(graph, graph.node("Cast", squeezed, to=TensorProto.DOUBLE))
+
+    target = surrogate.model()
+    mean, spread = (output(target.layers[network]) for network in NETWORKS)
+    if target.at_least is not None:
+        mean = np.maximum(mean, output(surrogate.models[target.at_least].layers[NETWORKS[0]]))
     rate = wear_scale(values, surrogate.jet) * np.exp(mean)
     graph.node("Identity", rate.name, name=RATE)
     graph.node("Exp", spread.name, name=DEVIATION)

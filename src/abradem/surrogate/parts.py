@@ -6,7 +6,7 @@ wrong number or an error far from its cause.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -39,15 +39,47 @@ def check_description(description: Any) -> None:
     groups = _part(description, "groups", list, "a list")
     if groups != list(GROUP_NAMES):
         raise PartError(f"groups = {_shown(groups)} must be {', '.join(GROUP_NAMES)}")
-    target = _part(description, "target", Mapping, "an object")
-    if not _part(target, "name", str, "text", "target."):
-        raise PartError("target.name is empty")
-    if _part(target, "unit", str, "text", "target.") != UNIT:
-        raise PartError(f"target.unit = {target['unit']!r} must be {UNIT!r}")
-    if "element_size" in target and not _number(target["element_size"], "target.element_size") > 0:
-        raise PartError(f"target.element_size = {target['element_size']!r} must be positive")
+    _check_target(description, "")
+    for place, one in enumerate(_typed(description.get("local", []), list, "local", "a list")):
+        _typed(one, Mapping, f"local[{place}]", "an object")
+        _check_target(one, f"local[{place}].")
+    rates = [description, *description.get("local", [])]
+    names = [one["target"]["name"] for one in rates]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise PartError(f"{twice[0]} is the target twice")
+    above = {name: one.get("at_least") for name, one in zip(names, rates, strict=True)}
+    for name, floor in above.items():
+        if floor is not None and (floor not in above or above[floor] is not None):
+            raise PartError(f"at_least = {_shown(floor)} of {name} must be another wear rate")
+    if "domain" in description:
+        domain = _part(description, "domain", Mapping, "an object")
+        if not _number(domain.get("limit"), "domain.limit") >= 0.0:
+            raise PartError(f"domain.limit = {domain['limit']!r} must not be negative")
+    _typed(description.get("jet_known", True), bool, "jet_known", "true or false")
     _check_jet(_part(description, "jet", Mapping, "an object"))
     _check_features(_part(description, "features", list, "a list"))
+
+
+def local_names(description: Mapping) -> list[str]:
+    """Names of the wear rates of a surrogate besides the target of its study."""
+    return [one["target"]["name"] for one in description.get("local", [])]
+
+
+def local_prefix(name: str) -> str:
+    """What the names of the arrays of a wear rate begin with, if it is not the target."""
+    return f"local.{name}."
+
+
+def _check_target(parent: Mapping, above: str) -> None:
+    target = _part(parent, "target", Mapping, "an object", above)
+    at = f"{above}target."
+    if not _part(target, "name", str, "text", at):
+        raise PartError(f"{at}name is empty")
+    if _part(target, "unit", str, "text", at) != UNIT:
+        raise PartError(f"{at}unit = {target['unit']!r} must be {UNIT!r}")
+    _typed(target.get("known", True), bool, f"{at}known", "true or false")
+    if "element_size" in target and not _number(target["element_size"], f"{at}element_size") > 0:
+        raise PartError(f"{at}element_size = {target['element_size']!r} must be positive")
 
 
 def _check_jet(jet: Mapping) -> None:
@@ -91,17 +123,37 @@ def _check_features(features: list) -> None:
         )
 
 
-def check_arrays(arrays: Mapping[str, np.ndarray]) -> None:
-    """Check the content of the safetensors file; raise `PartError` with the first fault."""
+def check_arrays(
+    arrays: Mapping[str, np.ndarray], local: Sequence[str] = (), domain: bool = False
+) -> None:
+    """Check the content of the safetensors file; raise `PartError` with the first fault.
+
+    Parameters
+    ----------
+    arrays : mapping of str to ndarray
+    local : sequence of str
+        From `local_names`.
+    domain : bool
+        Whether the training cases must be there.
+    """
     width = len(GROUP_NAMES)
     for name in ("group_mean", "group_scale"):
         _array(arrays, name, (width,))
     if not (arrays["group_scale"] > 0.0).all():
         raise PartError("group_scale must be positive")
-    scores = _array(arrays, "conformal", (None,))
+    if domain:
+        _array(arrays, "domain_rows", (None, width))
+        _array(arrays, "domain_slopes", (width,))
+    for prefix in ("", *map(local_prefix, local)):
+        _check_rate(arrays, prefix)
+
+
+def _check_rate(arrays: Mapping[str, np.ndarray], prefix: str) -> None:
+    width = len(GROUP_NAMES)
+    scores = _array(arrays, f"{prefix}conformal", (None,))
     if not len(scores) or (scores < 0.0).any():
-        raise PartError("conformal must hold scores that are not negative, at least one")
-    for network in NETWORKS:
+        raise PartError(f"{prefix}conformal must hold scores that are not negative, at least one")
+    for network in (f"{prefix}{name}" for name in NETWORKS):
         count = sum(name.startswith(f"{network}_weights_") for name in arrays)
         if not count:
             raise PartError(f"{network}_weights_0 is missing")

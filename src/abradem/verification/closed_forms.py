@@ -101,3 +101,45 @@ def incline_acceleration(angle_deg: float, mu: float, mu_r: float, gravity: floa
     if sine > (3.5 * mu - 2.5 * mu_r) * cosine:
         return gravity * (sine - mu * cosine)
     return 5.0 / 7.0 * gravity * (sine - mu_r * cosine)
+
+
+def belt_start(speed: float, mu: float, gravity: float) -> tuple[float, float]:
+    """Return velocity (m/s) and time (s) at which a sphere on a level belt ceases to slip.
+
+    A sphere at rest is put on a belt of speed V. It is accelerated by mu g and spun by 5/2 mu g/R
+    until its lowest point has the speed of the belt: at 2/7 V, after 2 V / (7 mu g).
+    """
+    return 2.0 / 7.0 * speed, 2.0 * speed / (7.0 * mu * gravity)
+
+
+def belt_acceleration(mu_r: float, gravity: float) -> float:
+    """Return the acceleration of a sphere that rolls on a level belt, m/s2: 5/7 mu_r g.
+
+    Its lowest point has the speed of the belt, and the rolling resistance mu_r m g R slows its
+    spin; so the belt carries it up to its own speed.
+    """
+    return 5.0 / 7.0 * mu_r * gravity
+
+
+def arc_speed(radius: float, sphere: float, begin_deg: float, gravity: float, rolls: bool) -> float:
+    """Return the speed at the lowest line of a hollow cylinder of a sphere released at rest, m/s.
+
+    The centre falls by (R_c - R)(1 - cos a) from the angle a; of the energy, a rolling sphere has
+    5/7 in the motion of its centre.
+    """
+    fall = (radius - sphere) * (1.0 - math.cos(math.radians(begin_deg)))
+    return math.sqrt((10.0 / 7.0 if rolls else 2.0) * gravity * fall)
+
+
+def drum_angle_deg(mu_r: float) -> float:
+    """Return the angle at which a sphere rests in a drum that turns slowly, deg: tan = mu_r.
+
+    Friction F and weight balance along the wall, F R and the rolling resistance mu_r N R about the
+    centre.
+    """
+    return math.degrees(math.atan(mu_r))
+
+
+def corner_force(mass: float, slope_deg: float, gravity: float) -> float:
+    """Return the normal force of each of two walls of equal slope, N, without friction."""
+    return mass * gravity / (2.0 * math.cos(math.radians(slope_deg)))

@@ -269,14 +269,15 @@ def jet_releases() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     times = np.round(np.arange(JET_PARTICLES) / JET_RATE / JET_STEP) * JET_STEP
     places = np.array(
         [
-            (_PATCH * (_halton(i + 1, 2) - 0.5), _HEIGHT, _PATCH * (_halton(i + 1, 3) - 0.5))
+            (_PATCH * (halton(i + 1, 2) - 0.5), _HEIGHT, _PATCH * (halton(i + 1, 3) - 0.5))
             for i in range(JET_PARTICLES)
         ]
     )
     return times, places, np.tile([0.0, -_JET_SPEED, 0.0], (JET_PARTICLES, 1))
 
 
-def _halton(index: int, base: int) -> float:
+def halton(index: int, base: int) -> float:
+    """Return a number of the Halton sequence in [0, 1)."""
     value, share = 0.0, 1.0
     while index:
         share /= base

@@ -26,6 +26,7 @@ PARTS = {
     9: "Facets",
     10: "Bed",
     11: "Stop rule",
+    12: "Surfaces",
 }
 
 HEAD = """# All checks of the verification study

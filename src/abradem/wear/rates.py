@@ -37,7 +37,7 @@ from abradem.quantities import (
     wear_column,
 )
 from abradem.units import MM_PER_M
-from abradem.wear.window_errors import element_stderr
+from abradem.wear.window_errors import element_stderr, weighted_statistics
 
 SHORTFALL_SHARE = 0.95
 """A case is flagged if the delivered feed is below this share of the requested feed."""
@@ -179,7 +179,10 @@ def element_wear(wear: np.ndarray, counts: tuple[int, int]) -> np.ndarray:
 
 
 def element_rates(
-    wear: np.ndarray, element_area: float, window: float, footprint_share: float = 0.95
+    wear: np.ndarray,
+    element_area: float | np.ndarray,
+    window: float,
+    footprint_share: float = 0.95,
 ) -> dict[str, float]:
     """Return statistics over the elements of J per area and time, J/(m2 s), except for the mean.
 
@@ -187,8 +190,9 @@ def element_rates(
     ----------
     wear : ndarray, shape (nx, nz)
         Work J of each element in the window, J.
-    element_area : float
-        m2.
+    element_area : float or ndarray, shape (nx, nz)
+        m2; with different areas, as of the cells of a surface, means and percentiles are weighted
+        by them.
     window : float
         Length of the window, s.
     footprint_share : float
@@ -199,6 +203,11 @@ def element_rates(
     dict of str to float
         ``worn``, ``footprint``, ``p99`` and ``max``.
     """
+    if isinstance(element_area, np.ndarray):
+        found = weighted_statistics(wear.reshape(1, -1), element_area.ravel(), footprint_share)[0]
+        return {
+            name: float(value) / window for name, value in zip(STATISTICS[1:], found, strict=True)
+        }
     density = wear / (element_area * window)
     worn = wear > 0.0
     most_worn = footprint(wear, footprint_share)
@@ -294,7 +303,9 @@ def wear_rates(
     """
     if min_batches < 20:
         raise ValueError(f"min_batches = {min_batches} must be at least 20")
-    elements = element_counts(setup, element_size)
+    # The statistics of a surface are over its cells.
+    surface = "cell_area" in maps
+    elements = (0, 0) if surface else element_counts(setup, element_size)
     constants = cases.set_index("case_id")["archard_constant"]
     series_of = {key: rows for key, rows in series.groupby("case_id", sort=False)}
     maps_of = {key: rows for key, rows in maps.groupby("case_id", sort=False)}
@@ -380,11 +391,13 @@ def _case_rates(
         for measure in WEAR_MEASURES
     }
     window = run["window_end"] - run["window_start"]
-    arrays = depth_map(maps, setup.facets)
+    facets, area, element_area = _areas(maps, setup, elements)
+    if isinstance(element_area, np.ndarray):
+        elements = facets
+    arrays = depth_map(maps, facets)
     parted = None
     if parts is not None and window > 0.0:
-        parted = part_maps(parts, run["window_parts"], setup.facets)
-    element_area = setup.plate_area / math.prod(elements)
+        parted = part_maps(parts, run["window_parts"], facets)
     unknown = dict.fromkeys(STATISTICS[1:], np.nan)
     row: dict[str, Any] = {}
     for measure in WEAR_MEASURES:
@@ -402,7 +415,7 @@ def _case_rates(
             )
         mean = steady[measure]
         for statistic, value, error in (
-            ("mean", mean.rate / setup.plate_area, mean.stderr / setup.plate_area),
+            ("mean", mean.rate / area, mean.stderr / area),
             *((name, rates[name], errors[name]) for name in STATISTICS[1:]),
         ):
             name = wear_column(measure, statistic)
@@ -417,6 +430,17 @@ def _case_rates(
     relative = total.stderr / total.rate if total.rate > 0.0 else np.nan
     row["quality"] = quality(run, relative, setup)
     return row
+
+
+def _areas(
+    maps: pd.DataFrame, setup: Setup, elements: tuple[int, int]
+) -> tuple[tuple[int, int], float, float | np.ndarray]:
+    """Return number of facets, area of the plate or surface, and of the elements, m2."""
+    if "cell_area" not in maps:
+        return setup.facets, setup.plate_area, setup.plate_area / math.prod(elements)
+    areas = np.empty((len(maps), 1))
+    areas[maps["facet_x"].to_numpy(), 0] = maps["cell_area"].to_numpy(dtype=float)
+    return areas.shape, float(areas.sum()), areas
 
 
 def _worn(row: dict, archard_constant: float) -> dict:

@@ -21,8 +21,8 @@ Stat. 17:1176, who leave out more). docs/method.md has the measured accuracy of 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from functools import lru_cache
+from collections.abc import Callable, Iterator
+from functools import lru_cache, partial
 from itertools import combinations
 
 import numpy as np
@@ -42,7 +42,10 @@ VALUES_AT_ONCE = 2**21
 
 
 def element_stderr(
-    parts: np.ndarray, element_area: float, window: float, footprint_share: float = 0.95
+    parts: np.ndarray,
+    element_area: float | np.ndarray,
+    window: float,
+    footprint_share: float = 0.95,
 ) -> dict[str, float]:
     """Return the standard errors of `abradem.wear.rates.element_rates`, J/(m2 s).
 
@@ -51,7 +54,7 @@ def element_stderr(
     parts : ndarray, shape (g, nx, nz)
         Work J of each element in each of the g equal parts of the window, J, in order of time. If g
         is odd, the last part is left out of the comparison.
-    element_area : float
+    element_area : float or ndarray, shape (nx, nz)
         m2.
     window : float
         Length of the window, s.
@@ -71,8 +74,14 @@ def element_stderr(
     half = count // 2
     quarter = (half + 1) // 2
     work = parts[: 2 * half].reshape(2 * half, -1)
-    halves = _of_subsets(work, half, footprint_share)
-    quarters = _of_subsets(work, quarter, footprint_share)
+    statistics = partial(subset_statistics, footprint_share=footprint_share)
+    if isinstance(element_area, np.ndarray):
+        statistics = partial(
+            weighted_statistics, areas=element_area.ravel(), footprint_share=footprint_share
+        )
+        element_area = 1.0
+    halves = _of_subsets(work, half, statistics)
+    quarters = _of_subsets(work, quarter, statistics)
     found = {}
     for place, name in enumerate(STATISTICS[1:]):
         of_half, of_quarter = halves[:, place], quarters[:, place]
@@ -125,6 +134,48 @@ def subset_statistics(wear: np.ndarray, footprint_share: float = 0.95) -> np.nda
     )
 
 
+def weighted_statistics(
+    wear: np.ndarray, areas: np.ndarray, footprint_share: float = 0.95
+) -> np.ndarray:
+    """Return the statistics of many maps of cells of different areas, shape (k, 4), J/m2.
+
+    Parameters
+    ----------
+    wear : ndarray, shape (k, n)
+        Work J of each cell, J.
+    areas : ndarray, shape (n,)
+        m2.
+    footprint_share : float
+        Share of the wear in the footprint, which consists of the most deeply worn cells.
+
+    Returns
+    -------
+    ndarray, shape (k, 4)
+        ``worn``, ``footprint``, ``p99``, ``max``: work per area of the worn cells and of the
+        footprint; the depth that is not exceeded on 99 % of the area; the deepest cell.
+    """
+    order = np.argsort(-wear / areas, axis=1, kind="stable")
+    falling, sizes = np.take_along_axis(wear, order, axis=1), areas[order]
+    held, covered = np.cumsum(falling, axis=1), np.cumsum(sizes, axis=1)
+    rows = np.arange(len(wear))
+    tiny = 1e-12
+    enough = np.argmax(held >= footprint_share * (1.0 - tiny) * held[:, -1:], axis=1)
+    # The first cell, from the deepest on, with which over 1 % of the area is deeper or as deep.
+    place = np.argmax(covered > 0.01 * covered[:, -1:] * (1.0 + tiny), axis=1)
+    density = falling / sizes
+    worn_area = np.where(falling > 0.0, sizes, 0.0).sum(axis=1)
+    total = held[:, -1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.column_stack(
+            [
+                np.where(worn_area > 0.0, total / worn_area, 0.0),
+                np.where(total > 0.0, held[rows, enough] / covered[rows, enough], 0.0),
+                density[rows, place],
+                density[:, 0],
+            ]
+        )
+
+
 @lru_cache(maxsize=8)
 def _subsets(parts: int, size: int) -> np.ndarray:
     """Subsets of the parts, shape (k, size), in lexicographic order."""
@@ -140,13 +191,12 @@ def _disjoint(parts: int, size: int) -> tuple[np.ndarray, np.ndarray]:
     return first, second
 
 
-def _of_subsets(work: np.ndarray, size: int, footprint_share: float) -> np.ndarray:
+def _of_subsets(
+    work: np.ndarray, size: int, statistics: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
     """Statistics per part, shape (k, 4), of the subsets of the parts, whose work is (g, n)."""
     return np.concatenate(
-        [
-            subset_statistics(sums, footprint_share) / size
-            for sums in _sums(work, _subsets(len(work), size))
-        ]
+        [statistics(sums) / size for sums in _sums(work, _subsets(len(work), size))]
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import html
 import re
+import unicodedata
 from typing import Any
 
 _PUNCTUATION = re.compile(r"""[!"#$%&'()*+,\-./:;<=>?@\[\\\]^_`{|}~•‣⁃]""")
@@ -91,6 +92,33 @@ def names_for_bibtex(names: list[str] | tuple[str, ...]) -> str:
 def for_mathtext(text: str) -> str:
     """Return ``text`` for matplotlib, where dollars enclose formulas."""
     return _line(text).replace("$", r"\$")
+
+
+_NAMES = {
+    "alpha": "α", "eta": "η", "mu": "µ", "nu": "ν", "rho": "ρ", "theta": "θ", "varphi": "φ",
+    "xi": "ξ", "ln": "ln ", "cos": "cos ", "times": " × ", "leq": "≤", "geq": "≥", "approx": "≈",
+}  # fmt: skip
+_RAISED = str.maketrans("0123456789-+*", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺*")
+
+
+def from_mathtext(text: str) -> str:
+    """Return a text for matplotlib as plain text: formulas between dollars in Unicode.
+
+    Raised numbers become superscripts, lowered signs follow an underscore: ``$v_y$`` is v_y.
+    """
+    parts = re.split(r"(?<!\\)\$", text)
+    parts[1::2] = map(_formula, parts[1::2])
+    return unicodedata.normalize("NFC", _line("".join(parts).replace(r"\$", "$")))
+
+
+def _formula(tex: str) -> str:
+    shown = re.sub(r"\\(?:mathrm|bf|mathbf)\s?", "", tex)
+    shown = re.sub(r"\\dot\s*(\w)", "\\1\u0307", shown)
+    shown = re.sub(r"\\([A-Za-z]+)\s?", lambda one: _NAMES.get(one[1], one[1]), shown)
+    shown = re.sub(
+        r"\^(?:\{([^}]*)\}|(.))", lambda one: (one[1] or one[2]).translate(_RAISED), shown
+    )
+    return shown.replace("{", "").replace("}", "").replace("\\", "")
 
 
 def for_html(text: str) -> str:

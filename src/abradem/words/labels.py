@@ -105,6 +105,9 @@ MODELS = {
 }
 """Display names of the models of `abradem.learning`, by their names in the tables."""
 
+ON_GROUPS = ("power_law", "boosting", "networks", "gaussian_process", "surrogate")
+"""The models on dimensionless groups; the others are the paper's."""
+
 
 def feature_label(name: str) -> str:
     """X number and symbol of a quantity, such as ``X13  $\\varphi$``."""

@@ -11,6 +11,9 @@ from typing import NamedTuple
 from abradem.quantities import WEAR_COLUMNS, wear_parts
 from abradem.words.labels import MEASURE_WORDS, STATISTIC_WORDS
 
+OF_THE_TABLE = "as in the table that the model learned from"
+"""Description of a rate whose measure and statistic are not known."""
+
 _OF_ELEMENTS = {
     "worn": "mean over the worn {size} elements",
     "footprint": "mean over the footprint of {size} elements",
@@ -29,10 +32,14 @@ class WearTarget(NamedTuple):
         Column of the data set, one of `abradem.quantities.WEAR_COLUMNS`.
     element_size : float or None
         Edge of the elements of the statistics, m; None if it is not known.
+    known : bool
+        Whether the name says what the rate is. The rate of a table from elsewhere stands under one
+        of the names, without its measure or its statistic being known.
     """
 
     name: str
     element_size: float | None = None
+    known: bool = True
 
     @property
     def measure(self) -> str:
@@ -52,6 +59,8 @@ class WearTarget(NamedTuple):
     @property
     def place(self) -> str:
         """Of what place of the plate the rate is, such as "99th percentile of 30 mm elements"."""
+        if not self.known:
+            return OF_THE_TABLE
         if self.element_size is None or not self.has_elements:
             return STATISTIC_WORDS[self.statistic]
         return _OF_ELEMENTS[self.statistic].format(size=f"{1e3 * self.element_size:g} mm")
@@ -59,11 +68,15 @@ class WearTarget(NamedTuple):
     @property
     def words(self) -> str:
         """Short description, such as "wear depth rate, friction, worst 30 mm element"."""
+        if not self.known:
+            return f"wear depth rate, {OF_THE_TABLE}"
         return f"wear depth rate, {self.measure}, {self.place}"
 
     @property
     def explained(self) -> str:
         """Description that says what the measure is."""
+        if not self.known:
+            return f"wear depth rate, {OF_THE_TABLE} (measure and place are not stated)"
         return f"wear depth rate, {self.place} ({MEASURE_WORDS[self.measure]})"
 
 
@@ -71,8 +84,8 @@ WEAR_WORDS = {column: WearTarget(column).explained for column in WEAR_COLUMNS}
 """Descriptions of the wear rates of the data set, by column."""
 
 
-def wear_words(column: str, element_size: float | None = None) -> str:
+def wear_words(column: str, element_size: float | None = None, known: bool = True) -> str:
     """Return of what place of the plate a wear rate is, such as "mean over the plate"."""
     if column not in WEAR_WORDS:
-        return "as in the table that the model learned from"
-    return WearTarget(column, element_size).place
+        return OF_THE_TABLE
+    return WearTarget(column, element_size, known).place

@@ -1,0 +1,172 @@
+"""Contacts of particles with a triangulated surface: memory, force and wear of each cell.
+
+The law is that of the plate, `motion.press`. The memory of a contact belongs to the direction of
+its normal, not to a triangle: so a spring survives the passage from one triangle to the next, and
+the contacts of a particle in a corner have one each.
+"""
+
+from __future__ import annotations
+
+import math
+
+from abradem.dem.cache import kernel
+from abradem.dem.mesh import MOST_HITS, WALLS
+from abradem.dem.mesh_search import (
+    SMOOTH,
+    find_contacts,
+    has_walls_near,
+    surface_distance,
+    turn_to,
+)
+from abradem.dem.motion import press
+from abradem.dem.state import GONE
+from abradem.dem.vectors import cross, dot, plus
+
+
+@kernel(inline=True)
+def touch_surface(problem, state, mesh, step):
+    """Contacts of all particles with the surface at lattice step ``step``."""
+    turn_to(problem, mesh, step)
+    for i in range(state.tally[0].live):
+        particle = state.particles[i]
+        if particle.motion != GONE and (
+            particle.plate_stiffness != 0.0
+            or has_walls_near(mesh, particle.x, particle.y, particle.z)
+        ):
+            touch_mesh(problem, state, mesh, i)
+
+
+@kernel
+def touch_mesh(problem, state, mesh, i):
+    """Contacts of particle i with the surface: forces, torques and wear of this step."""
+    particle, walls = state.particles[i], mesh.walls[i]
+    count = find_contacts(mesh, particle.x, particle.y, particle.z, MOST_HITS, WALLS)
+    if count == 0 and particle.plate_stiffness == 0.0:
+        return
+    hits = mesh.hits
+    # A hit continues the contact with the nearest normal.
+    for c in range(count):
+        hit = hits[c]
+        hit.settled = -1
+        nearest = SMOOTH
+        for w in range(WALLS):
+            wall = walls[w]
+            if wall.plate_stiffness != 0.0 and not _is_taken(hits, c, w):
+                likeness = dot((hit.nx, hit.ny, hit.nz), (wall.nx, wall.ny, wall.nz))
+                if likeness >= nearest:
+                    nearest = likeness
+                    hit.settled = w
+    # Contacts that ended in this step.
+    for w in range(WALLS):
+        wall = walls[w]
+        if wall.plate_stiffness != 0.0 and not _is_taken(hits, count, w):
+            _press_on(problem, state, mesh, particle, wall, 0.0, True)
+    for c in range(count):
+        hit = hits[c]
+        if hit.settled < 0:
+            w = 0
+            while walls[w].plate_stiffness != 0.0 or _is_taken(hits, count, w):
+                w += 1
+            hit.settled = w
+            _clear(walls[w])
+        wall = walls[hit.settled]
+        wall.nx, wall.ny, wall.nz = hit.nx, hit.ny, hit.nz
+        wall.triangle = hit.triangle
+        overlap = problem.radius - hit.distance
+        _press_on(problem, state, mesh, particle, wall, overlap, hit.on_face == 1)
+    particle.plate_stiffness = 0.0
+    for w in range(WALLS):
+        particle.plate_stiffness = max(particle.plate_stiffness, walls[w].plate_stiffness)
+
+
+@kernel(inline=True)
+def _is_taken(hits, count, w):
+    """Whether one of the first hits continues the contact of memory w."""
+    for c in range(count):
+        if hits[c].settled == w:
+            return True
+    return False
+
+
+@kernel(inline=True)
+def _clear(wall):
+    """Have a memory of no contact."""
+    wall.plate_stiffness = 0.0
+    wall.plate_sx = wall.plate_sy = wall.plate_sz = 0.0
+    wall.plate_fn = 0.0
+    wall.plate_tx = wall.plate_ty = wall.plate_tz = 0.0
+    wall.plate_energy = 0.0
+    wall.plate_slip = 0.0
+
+
+@kernel
+def clear_walls(mesh, i):
+    """Have no contact of particle i with the surface remembered; nothing for the plate."""
+    if mesh is not None:
+        for w in range(WALLS):
+            _clear(mesh.walls[i, w])
+
+
+@kernel
+def _press_on(problem, state, mesh, particle, wall, overlap, on_face):
+    """One contact with the surface: force, and wear and sums of its cell."""
+    tally, sums, cell = state.tally[0], mesh.sums, wall.triangle
+    n = (wall.nx, wall.ny, wall.nz)
+    speed = wall_velocity(mesh, cell, particle, n, problem.radius - overlap)
+    begins = wall.plate_stiffness == 0.0
+    total, sliding, friction, normal_work, tangential_work, impulse, driven = press(
+        problem, particle, wall, tally, overlap, n, speed, on_face
+    )
+    wall.overlap = overlap
+    state.facet_wear[0, cell, 0] += total
+    state.facet_wear[1, cell, 0] += sliding
+    state.facet_wear[2, cell, 0] += friction
+    tally.energy_in += driven
+    if begins:
+        impact = (
+            particle.half_vx - speed[0],
+            particle.half_vy - speed[1],
+            particle.half_vz - speed[2],
+        )
+        fast = math.sqrt(dot(impact, impact))
+        sums[0, cell] += 1.0
+        sums[1, cell] += fast
+        if fast > 0.0:
+            sums[2, cell] += math.degrees(math.acos(min(abs(dot(impact, n)) / fast, 1.0)))
+    sums[3, cell] += normal_work
+    sums[4, cell] += tangential_work
+    sums[5, cell] += impulse
+
+
+@kernel(inline=True)
+def wall_velocity(mesh, cell, particle, n, distance):
+    """Velocity of the surface at a contact, m/s: of a belt, or of a part that turns."""
+    part = mesh.part[cell]
+    frame = mesh.frames[mesh.frame_of[cell]]
+    if frame.spin != 0.0:
+        arm = plus(
+            (particle.x - frame.px, particle.y - frame.py, particle.z - frame.pz), -distance, n
+        )
+        spin = (frame.spin * frame.dx, frame.spin * frame.dy, frame.spin * frame.dz)
+        return cross(spin, arm)
+    belt = (mesh.velocity[part, 0], mesh.velocity[part, 1], mesh.velocity[part, 2])
+    return plus(belt, -dot(belt, n), n)
+
+
+@kernel
+def is_clear_of(problem, mesh, x, y, z, step):
+    """Whether a particle at a point touches no wall at a lattice step."""
+    turn_to(problem, mesh, step)
+    return surface_distance(mesh, x, y, z) >= problem.radius
+
+
+@kernel
+def walls_energy(problem, mesh, i):
+    """Elastic energy of the contacts of particle i: normal and tangential part, J."""
+    squeezed, sheared = 0.0, 0.0
+    for w in range(WALLS):
+        wall = mesh.walls[i, w]
+        if wall.plate_stiffness != 0.0:
+            squeezed += 0.4 * problem.plate_law.kn * wall.overlap**2.5
+            sheared += wall.plate_energy
+    return squeezed, sheared

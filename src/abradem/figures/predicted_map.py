@@ -1,0 +1,54 @@
+"""The wear map that the map surrogate predicts for a case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from abradem.figures import style
+
+
+def predicted_map_figure(
+    rate: np.ndarray, plate: Mapping[str, float], row: Mapping, measure: str
+) -> Figure:
+    """Draw the predicted wear depth rate of the elements of a plate.
+
+    Parameters
+    ----------
+    rate : ndarray, shape (nx, nz)
+        mm/s.
+    plate : mapping
+        ``length`` and ``width``, mm.
+    row : mapping
+        The sampled quantities, for the title.
+    measure : str
+        Wear measure, for the caption.
+    """
+    with style.style():
+        figure, (panel,) = style.panels(1, 1, 2.4, style.COLUMN)
+        power = style.decade(rate.max())
+        x, z = (np.linspace(-0.5, 0.5, count + 1) for count in rate.shape)
+        mesh = panel.pcolormesh(
+            plate["length"] * x,
+            plate["width"] * z,
+            rate.T / 10.0**power,
+            cmap=style.WEAR_MAP,
+            vmin=0.0,
+            rasterized=True,
+        )
+        panel.set_aspect("equal")
+        panel.spines[["top", "right"]].set_visible(True)
+        panel.set_xlabel("$x$ along the slope (mm)")
+        panel.set_ylabel("$z$ across (mm)")
+        style.title_own_case(panel, row)
+        bar = figure.colorbar(mesh, ax=panel, fraction=0.05, pad=0.03)
+        bar.outline.set_linewidth(0.6)
+        bar.set_label(f"wear depth rate ({style.scaled_unit(power, 'mm/s')})", fontsize=7.0)
+        style.caption(
+            figure,
+            f"predicted by the map surrogate, wear measure: {measure}; without the noise of a "
+            "simulation",
+        )
+    return figure

@@ -1,0 +1,181 @@
+"""From a description of a geometry to the surface and the factory of the engine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from abradem.dem.model import Setup
+from abradem.dem.surface import Surface, cell_areas
+from abradem.geometry.feed import check_jet, feed_above
+from abradem.geometry.kinds import Geometry, Motion, geometry_of
+from abradem.geometry.shape import GeometryError, Shape, divided
+
+MOST_CELLS = 200_000
+"""Most wear cells of a surface."""
+
+
+def surface_of(geometry: Geometry, size: float) -> Surface:
+    """Return the surface of a geometry, whose triangles are its wear cells.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    size : float
+        Size of a facet, m. No edge of a cell is longer than the diagonal of a square of that size.
+
+    Raises
+    ------
+    GeometryError
+        If the file cannot be used, a part that moves is unknown, or there would be too many cells.
+    """
+    shape = divided(geometry.shape(size), math.sqrt(2.0) * size, MOST_CELLS)
+    return moving(shape, geometry.motions())
+
+
+def moving(shape: Shape, motions: list[Motion]) -> Surface:
+    """Return the surface of a shape whose parts move.
+
+    Raises
+    ------
+    GeometryError
+        If a motion names an unknown part.
+    """
+    count = len(shape.names)
+    velocity, point, axis = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
+    axis[:, 2] = 1.0
+    turning = np.zeros(count)
+    for motion in motions:
+        if motion.part not in shape.names:
+            raise GeometryError(
+                f"motion: there is no part {motion.part!r} (allowed: {', '.join(shape.names)})"
+            )
+        part = shape.names.index(motion.part)
+        velocity[part], point[part], axis[part] = motion.belt, motion.axis_point, motion.axis
+        turning[part] = 2.0 * math.pi * motion.revolutions / 60.0
+    return Surface(
+        shape.vertices, shape.triangles, shape.part, shape.names, velocity, point, axis, turning
+    )
+
+
+def shape_of(surface: Surface) -> Shape:
+    """Return the triangles of a surface without its motion."""
+    return Shape(surface.vertices, surface.triangles, surface.part, surface.part_names)
+
+
+def worn_area(setup: Setup) -> float:
+    """Return the area of the plate, or of the surface in its place, m2."""
+    return setup.plate_area if setup.surface is None else float(cell_areas(setup.surface).sum())
+
+
+def check_particle(shape: Shape, radius: float) -> None:
+    """Raise if a particle is wider than the geometry.
+
+    Raises
+    ------
+    GeometryError
+        With the radius and the largest that is allowed: half of the second largest extent.
+    """
+    extent = np.sort(np.ptp(shape.vertices, axis=0))[1]
+    if 2.0 * radius > extent:
+        raise GeometryError(
+            f"a particle of radius {radius:g} m is wider than the geometry, {extent:.4g} m "
+            f"(allowed up to {0.5 * extent:.4g} m)"
+        )
+
+
+def prepared(setup: Setup, values: Mapping[str, float]) -> Setup:
+    """Return the set-up of a case with the surface and the factory of its geometry.
+
+    Parameters
+    ----------
+    setup : Setup
+        Without a geometry, or with a surface already, it is returned as it is.
+    values : mapping
+        Quantities of the case: plate_angle, deg, particle_radius, m, particle_velocity_y, m/s, and
+        those of the geometry that are sampled.
+
+    Raises
+    ------
+    GeometryError
+        If the geometry cannot be used, a particle is wider than it, or the jet misses it.
+    """
+    given = setup.geometry
+    if given is None or setup.surface is not None:
+        return setup
+    options = {} if not isinstance(given, Mapping) else {**given}
+    described = options.pop("shape", given)
+    geometry = described
+    if isinstance(described, Mapping):
+        geometry = geometry_of(filled_in(described, values))
+    coarse = geometry.shape(setup.facet_size)
+    check_particle(coarse, values["particle_radius"])
+    feed = feed_above(
+        coarse,
+        geometry.target(coarse),
+        setup.fall_height,
+        setup.patch_length,
+        setup.patch_width,
+        None if options.get("centre") is None else tuple(options["centre"]),
+        tuple(options.get("direction") or (0.0, -1.0, 0.0)),
+    )
+    check_jet(coarse, feed, abs(values["particle_velocity_y"]), setup.gravity)
+    box = options.get("removal_box")
+    return replace(
+        setup,
+        surface=surface_of(geometry, setup.facet_size),
+        feed=feed,
+        removal_box=None if box is None else tuple(tuple(corner) for corner in box),
+    )
+
+
+def mesh_file(given) -> str | None:
+    """Return the path of the mesh file of a geometry as plain values, or None."""
+    if not isinstance(given, Mapping):
+        return None
+    shape = given.get("shape", given)
+    return shape.get("file") if shape.get("kind") == "mesh" else None
+
+
+def case_surface(setup: Setup, values: Mapping[str, float]) -> Surface:
+    """Return the surface of a case whose set-up has a geometry, see `prepared`.
+
+    Raises
+    ------
+    GeometryError
+        As `prepared`, or if the set-up has a plate.
+    """
+    surface = prepared(setup, values).surface
+    if surface is None:
+        raise GeometryError("the set-up has a plate (allowed: a geometry)")
+    return surface
+
+
+TEXTS = ("kind", "file", "unit", "up", "name", "part")
+"""Fields of a geometry that are words; another text is the name of a quantity of the case."""
+
+
+def filled_in(described: Mapping, values: Mapping[str, float]) -> dict:
+    """Return the fields of a geometry with the values of the case for names of its quantities.
+
+    Raises
+    ------
+    GeometryError
+        If the case has no such quantity.
+    """
+
+    def filled(name, value):
+        if isinstance(value, Mapping):
+            return {inner: filled(inner, one) for inner, one in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [filled(name, one) for one in value]
+        if not isinstance(value, str) or name in TEXTS:
+            return value
+        if value not in values:
+            raise GeometryError(f"{name}: the case has no quantity {value!r}")
+        return float(values[value])
+
+    return filled("", described)

@@ -1,0 +1,165 @@
+"""Mesh files: STL, OBJ and PLY, read and written by trimesh.
+
+A file has no unit and no direction of gravity, so both are given. Named solids of an STL file,
+and objects and groups of an OBJ file, become the parts; a file without names is one part.
+"""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from abradem.geometry.shape import (
+    GeometryError,
+    Shape,
+    combined,
+    degenerate,
+    given_twice,
+    selected,
+    welded,
+)
+from abradem.store.files import replacing
+
+SUFFIXES = (".stl", ".obj", ".ply")
+UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
+UPS = {
+    "x": np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
+    "y": np.eye(3),
+    "z": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+}
+"""Rotation that makes an axis of the file that of y, by the name of the axis."""
+
+LARGEST, SMALLEST = 100.0, 1e-3
+"""Limits of the extent of a mesh, m. Beyond them, the unit is most likely another one."""
+
+MOST_TRIANGLES = 1_000_000
+
+
+def read_mesh(path: str | Path, unit: str, up: str = "z", repair: bool = False) -> Shape:
+    """Return the shape of a mesh file, with y up and its origin where the file has it.
+
+    Parameters
+    ----------
+    path : path-like
+        .stl, .obj or .ply.
+    unit : {"mm", "cm", "m", "in"}
+        Unit of the coordinates in the file.
+    up : {"x", "y", "z"}
+        Axis of the file that points up. With z, the file's (x, y, z) become (x, z, -y).
+    repair : bool
+        Leave out triangles without area and triangles that are in the file twice; otherwise they
+        are an error. Holes are allowed.
+
+    Raises
+    ------
+    GeometryError
+        With one line that names the file, the problem and what is allowed.
+    """
+    path = Path(path)
+    if unit not in UNITS:
+        raise GeometryError(f"unit = {unit!r} is unknown (allowed: {', '.join(UNITS)})")
+    if up not in UPS:
+        raise GeometryError(f"up = {up!r} is unknown (allowed: {', '.join(UPS)})")
+    shape = _loaded(path)
+    if not np.isfinite(shape.vertices).all():
+        raise GeometryError(f"{path}: a coordinate is not a finite number (allowed: numbers)")
+    _check_extent(path, float(np.ptp(shape.vertices, axis=0).max()), unit)
+    vertices = UNITS[unit] * shape.vertices @ UPS[up].T
+    return _clean(path, welded(shape._replace(vertices=vertices)), repair)
+
+
+def _loaded(path: Path) -> Shape:
+    """Return the triangles of a file in its own unit and axes."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise GeometryError(f"{path}: is not a mesh file (allowed: {', '.join(SUFFIXES)})")
+    if not path.is_file():
+        raise GeometryError(f"{path}: there is no such file (allowed: a mesh file)")
+    # Imported here, as it takes a second and only meshes need it.
+    import trimesh
+
+    try:
+        scene = trimesh.load_scene(path, process=False, split_objects=True, group_material=False)
+        meshes = {
+            name: mesh for name, mesh in scene.geometry.items() if isinstance(mesh, trimesh.Trimesh)
+        }
+    except Exception as error:
+        # Readers of trimesh fail with errors of many types.
+        words = " ".join(str(error).split())[:120] or type(error).__name__
+        raise GeometryError(f"{path}: cannot be read as a mesh: {words}") from None
+    shapes = [
+        Shape(
+            np.asarray(mesh.vertices, dtype=float),
+            np.asarray(mesh.faces, dtype=np.int64),
+            np.zeros(len(mesh.faces), dtype=np.int64),
+            (str(name) if len(meshes) > 1 else path.stem,),
+        )
+        for name, mesh in sorted(meshes.items())
+        if len(mesh.faces)
+    ]
+    count = sum(len(shape.triangles) for shape in shapes)
+    if not 1 <= count <= MOST_TRIANGLES:
+        raise GeometryError(f"{path}: has {count} triangles (allowed 1 ... {MOST_TRIANGLES})")
+    return combined(shapes)
+
+
+def _check_extent(path: Path, extent: float, unit: str) -> None:
+    """Raise if the mesh would be implausibly large or small; name units that would do."""
+    metres = extent * UNITS[unit]
+    if SMALLEST <= metres <= LARGEST:
+        return
+    fits = [name for name, factor in UNITS.items() if SMALLEST <= extent * factor <= LARGEST]
+    sizes = " or ".join(f"{name} ({extent * UNITS[name]:g} m)" for name in fits)
+    hint = f"; is the unit {sizes}?" if fits else ""
+    raise GeometryError(
+        f"{path}: is {metres:g} m large with unit {unit} (allowed {SMALLEST:g} ... {LARGEST:g} m)"
+        f"{hint}"
+    )
+
+
+def _clean(path: Path, shape: Shape, repair: bool) -> Shape:
+    for name, find in (("without area", degenerate), ("that are in it twice", given_twice)):
+        wrong = find(shape)
+        if wrong.any() and not repair:
+            raise GeometryError(
+                f"{path}: has {wrong.sum()} triangles {name}, the first is number "
+                f"{np.flatnonzero(wrong)[0] + 1} (allowed: none, or repair: true, which leaves "
+                "them out)"
+            )
+        shape = selected(shape, ~wrong)
+    if not len(shape.triangles):
+        raise GeometryError(f"{path}: no triangle has an area (allowed: at least one)")
+    return shape
+
+
+def write_stl(shape: Shape, path: str | Path, unit: str = "mm", up: str = "z") -> None:
+    """Write a shape as an ASCII STL file with a solid for each part.
+
+    Parameters
+    ----------
+    shape : Shape
+    path : path-like
+    unit, up : str
+        As for `read_mesh`, which reads the same shape from it to seven digits.
+    """
+    vertices = shape.vertices @ UPS[up] / UNITS[unit]
+    corners = vertices[shape.triangles]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    facing = across / np.linalg.norm(across, axis=1, keepdims=True)
+
+    def row(values) -> str:
+        # The sum with 0 turns -0 into 0.
+        return " ".join(f"{value:.7g}" for value in np.round(values, 6) + 0.0)
+
+    text = io.StringIO()
+    for number, name in enumerate(shape.names):
+        text.write(f"solid {name}\n")
+        for triangle in np.flatnonzero(shape.part == number):
+            text.write(f"facet normal {row(facing[triangle])}\n outer loop\n")
+            for corner in corners[triangle]:
+                text.write(f"  vertex {row(corner)}\n")
+            text.write(" endloop\nendfacet\n")
+        text.write(f"endsolid {name}\n")
+    with replacing(path) as file:
+        file.write(text.getvalue().encode("ascii"))

@@ -1,0 +1,226 @@
+"""The explorer: one page that predicts wear while sliders are moved, without any network.
+
+The page holds the surrogate, the map surrogate and the cases of the data set, and computes in the
+browser what `abradem predict` computes, to rounding. Its parts are in ``explorer_page``: the model
+(model.js), what is seen and moved (page.html, page.js, style.css). The formulas of the groups are
+written by `abradem.surrogate.javascript`. Charts are drawn by plotly.js, which the package plotly
+brings.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from abradem.dataset.variation import SAME, held_fixed, scales_of
+from abradem.quantities import SAMPLED, SAMPLED_NAMES
+from abradem.report.explorer_parts import FILES
+from abradem.surrogate.domain import HARMLESS, NEIGHBOURS, SLACK, Domain
+from abradem.surrogate.javascript import group_functions
+from abradem.surrogate.maps import MapSurrogate
+from abradem.surrogate.model import Surrogate
+from abradem.surrogate.networks import RateModel
+from abradem.units import accepted, conversion
+from abradem.words.labels import LABELS
+from abradem.words.wear import WearTarget, wear_words
+
+MOST_CASES = 2000
+"""Largest number of simulated cases in the page, the first of the study."""
+
+DECADES = 20.0
+"""Largest ratio of the ends of a range that is divided evenly."""
+
+SECTIONS = {
+    "Geometry": ("plate_angle", "factory_angle"),
+    "Particles": (
+        "particle_radius", "particle_velocity_y", "particle_density", "particle_shear_modulus",
+        "particle_poisson_ratio",
+    ),
+    "Contact": ("static_friction", "rolling_friction", "restitution"),
+    "Plate": (
+        "archard_constant", "equipment_shear_modulus", "equipment_poisson_ratio",
+        "equipment_density",
+    ),
+}  # fmt: skip
+"""The sampled quantities in the order of the page."""
+
+
+def explorer_page(
+    model: tuple[Mapping, Mapping[str, np.ndarray]],
+    maps: MapSurrogate | None,
+    dataset: pd.DataFrame,
+    study: str,
+    presets: Mapping[str, Mapping[str, float]],
+) -> str:
+    """The page as HTML.
+
+    Parameters
+    ----------
+    model : tuple of mapping
+        Description and arrays of the surrogate, as in its two files.
+    maps : MapSurrogate or None
+        None for a study without maps.
+    dataset : pandas.DataFrame
+        The cases with case_id, the sampled quantities and the target.
+    study : str
+    presets : mapping of str to mapping
+        Values of the quantities of each preset of materials.
+    """
+    from plotly.offline import get_plotlyjs
+
+    description, arrays = model
+    data = explorer_data(description, arrays, maps, dataset, study, presets)
+    parts = {path.name: path.read_text(encoding="utf-8") for path in FILES}
+    functions = group_functions(Surrogate(description, arrays).jet)
+    replaced = {
+        "{{title}}": html.escape(f"Wear explorer: {study}"),
+        "{{style}}": parts["style.css"],
+        # No text of the data may end the element that holds it.
+        "{{data}}": json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
+        "{{plotly}}": _in_script(get_plotlyjs()),
+        "{{functions}}": functions,
+        "{{model}}": _in_script(parts["model.js"]),
+        "{{page}}": _in_script(parts["page.js"]),
+    }
+    page = parts["page.html"]
+    for mark, text in replaced.items():
+        before, found, after = page.partition(mark)
+        if not found:
+            raise ValueError(f"page.html: lacks {mark}")
+        page = before + text + after
+    return page
+
+
+def _in_script(text: str) -> str:
+    return text.replace("</script", "<\\/script")
+
+
+def explorer_data(
+    description: Mapping,
+    arrays: Mapping[str, np.ndarray],
+    maps: MapSurrogate | None,
+    dataset: pd.DataFrame,
+    study: str,
+    presets: Mapping[str, Mapping[str, float]],
+) -> dict[str, Any]:
+    """What the page knows, as plain values; the parameters are those of `explorer_page`."""
+    target = description["target"]
+    surrogate = Surrogate(description, arrays)
+    rows = dataset.sort_values("case_id").head(MOST_CASES)
+    order = [name for names in SECTIONS.values() for name in names]
+    return {
+        "study": study,
+        "model": f"results/{study}/models/surrogate",
+        "sections": [{"name": name, "quantities": list(of)} for name, of in SECTIONS.items()],
+        "quantities": _quantities(description),
+        "presets": {name: dict(values) for name, values in presets.items()},
+        "training_rows": description.get("training_rows"),
+        "group_mean": stored(arrays["group_mean"]),
+        "group_scale": stored(arrays["group_scale"]),
+        "rates": [_rate(model) for model in surrogate.models.values()],
+        "harmless": HARMLESS,
+        "domain": None if surrogate.domain is None else _domain(surrogate.domain),
+        "jet_known": description.get("jet_known", True),
+        "maps": None if maps is None else _maps(maps),
+        "cases": {
+            "ids": [int(key) for key in rows["case_id"]],
+            "values": stored(rows[order].to_numpy(dtype=float)),
+            "rates": stored(rows[target["name"]].to_numpy(dtype=float)),
+        },
+    }
+
+
+def stored(array: np.ndarray) -> dict[str, Any]:
+    """An array as text: little-endian numbers in base64, their type and the shape."""
+    kind = "f4" if array.dtype == np.float32 else "f8"
+    numbers = np.ascontiguousarray(array, dtype=f"<{kind}")
+    text = base64.b64encode(numbers.tobytes()).decode("ascii")
+    return {"type": kind, "shape": list(array.shape), "text": text}
+
+
+def _quantities(description: Mapping) -> list[dict[str, Any]]:
+    """The sampled quantities in the order of the page, with ranges, units and limits."""
+    ranges = {one["name"]: one["training_range"] for one in description["features"]}
+    rows = {row.name: row for row in SAMPLED}
+    found = []
+    for name in (name for names in SECTIONS.values() for name in names):
+        row, (low, high) = rows[name], ranges[name]
+        scale = scales_of([name])
+        fixed = bool(held_fixed(np.array([[low], [high]]), scale)[0])
+        # As `abradem predict` warns.
+        slack = SAME * max(abs(low), abs(high), float(scale[0])) if fixed else SLACK * (high - low)
+        units = {unit: conversion(unit, row.unit) for unit in accepted(row.unit)}
+        found.append(
+            {
+                "name": name,
+                "label": LABELS[name].long_name,
+                "unit": row.unit,
+                "shown_unit": row.config_unit,
+                "factor": row.config_factor,
+                "units": units,
+                "limits": list(row.limits),
+                "low": low,
+                "high": high,
+                "least": low - slack,
+                "most": high + slack,
+                "fixed": fixed,
+                # Those have a logarithmic slider.
+                "decades": not fixed and row.unit != "deg" and 0.0 < DECADES * low < high,
+            }
+        )
+    missing = set(SAMPLED_NAMES) - {one["name"] for one in found}
+    if missing:
+        raise ValueError(f"the page has no place for {', '.join(sorted(missing))}")
+    return found
+
+
+def _rate(model: RateModel) -> dict[str, Any]:
+    """Networks and held-out errors of one wear rate."""
+    place = wear_words(model.target["name"], model.target.get("element_size"))
+    layers = {
+        network: [{"weights": stored(weights), "biases": stored(biases)} for weights, biases in of]
+        for network, of in model.layers.items()
+    }
+    return {
+        "name": model.target["name"],
+        "place": place[:1].upper() + place[1:],
+        "scores": stored(model.scores),
+        "at_least": model.at_least,
+        **layers,
+    }
+
+
+def _domain(domain: Domain) -> dict[str, Any]:
+    return {
+        "rows": stored(domain.rows),
+        "slopes": stored(domain.slopes),
+        "limit": domain.limit,
+        "neighbours": NEIGHBOURS,
+    }
+
+
+def _maps(maps: MapSurrogate) -> dict[str, Any]:
+    description = maps.description
+    plate, counts = description["plate"], maps.arrays["mean_map"].shape
+    return {
+        "counts": list(counts),
+        "plate": [plate["length"], plate["width"]],
+        "floor": maps.floor,
+        "measure": description["target"]["measure"],
+        "words": WearTarget(f"wear_{description['target']['measure']}_mean").explained,
+        "scores": _map_scores(description),
+        "arrays": {name: stored(array) for name, array in maps.arrays.items()},
+    }
+
+
+def _map_scores(description: Mapping) -> dict[str, float]:
+    """Medians over the splits of the scores on held-out cases, as far as they are known."""
+    scores = description.get("scores", {}).get(description.get("model"), {}).get("test", {})
+    medians = {name: one["median"] for name, one in scores.items()}
+    return {name: value for name, value in medians.items() if value is not None}

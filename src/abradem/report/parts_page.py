@@ -1,0 +1,81 @@
+"""The wear of each part of a surface in sentences, generated from results."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from abradem.report.findings import to_html
+from abradem.wear.part_effects import varied_quantities
+from abradem.words.labels import LABELS
+from abradem.words.wear import WearTarget
+
+CLEAR = 0.6
+"""Rank correlation from which an effect is stated."""
+
+
+def parts_page(
+    study: str, parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, column: str
+) -> str:
+    """Return the page: what decides the wear of each part, and how much each part wears.
+
+    Parameters
+    ----------
+    study : str
+        Its name.
+    parts : pandas.DataFrame
+        From `abradem.wear.surface_cells.part_table`.
+    effects : pandas.DataFrame
+        From `abradem.wear.part_effects.part_effects`.
+    cases : pandas.DataFrame
+    column : str
+        Wear rate, mm/s.
+    """
+    paragraphs = [("Answer", _answer(parts, effects, cases, column))]
+    paragraphs += [
+        (f"Part {part}", _part(part, parts, effects, column))
+        for part in dict.fromkeys(parts["part_name"])
+    ]
+    return to_html(f"Wear of the parts in study {study}", paragraphs)
+
+
+def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, column: str) -> str:
+    """Return one sentence on the part that wears most, and what spares it."""
+    if parts.empty:
+        return "No case gave a wear rate."
+    means = parts.groupby("part_name", sort=False)[column].mean()
+    worst = str(means.idxmax())
+    text = (
+        f"Of {len(means)} parts {worst} wears most: {means[worst]:.3g} mm/s on average over "
+        f"{parts['case_id'].nunique()} cases ({WearTarget(column).words})."
+    )
+    clear = effects[effects["rank_correlation"].abs() >= CLEAR]
+    of_worst = clear[clear["part_name"] == worst]
+    if len(of_worst):
+        return f"{text} {_effect_words(of_worst.iloc[0])}"
+    if varied_quantities(cases):
+        text += f" No quantity that varied decides it alone (rank correlations below {CLEAR:g})."
+    return text
+
+
+def _part(part: str, parts: pd.DataFrame, effects: pd.DataFrame, column: str) -> str:
+    rows = parts[parts["part_name"] == part]
+    rate = rows[column]
+    text = (
+        f"Area {rows['area'].iloc[0]:.4g} m2; {rate.mean():.3g} mm/s on average, from "
+        f"{rate.min():.3g} to {rate.max():.3g} mm/s."
+    )
+    found = effects[(effects["part_name"] == part) & (effects["rank_correlation"].abs() >= CLEAR)]
+    return " ".join([text, *(_effect_words(row) for _, row in found.iterrows())])
+
+
+def _effect_words(row: pd.Series) -> str:
+    """Return a sentence on the effect of a quantity."""
+    name = str(row["quantity"])
+    words = LABELS[name].long_name if name in LABELS else name.replace("_", " ")
+    unit = "" if row["unit"] == "1" else f" {row['unit']}"
+    verb = "falls" if row["rank_correlation"] < 0.0 else "rises"
+    return (
+        f"It {verb} with {words} (rank correlation {row['rank_correlation']:.2f}): "
+        f"{row['low_rate']:.3g} mm/s from {row['low_from']:.3g} to {row['low_to']:.3g}{unit}, "
+        f"{row['high_rate']:.3g} mm/s from {row['high_from']:.3g} to {row['high_to']:.3g}{unit}."
+    )

@@ -1,0 +1,146 @@
+"""Keys of a geometry: what is refused, what they become in SI units, and what is sampled."""
+
+import math
+
+import pytest
+
+from abradem.config import (
+    ConfigError,
+    geometry_ranges,
+    load_config,
+    rate_options,
+    setup_dict,
+    target_dict,
+)
+from abradem.geometry.build import filled_in
+from abradem.geometry.kinds import geometry_of
+
+CHAIN = {
+    "kind": "plates",
+    "plates": [
+        {"length_mm": 300, "width_mm": 200, "angle": "plate_angle", "name": "upper"},
+        {"length_mm": [250, 500], "width_mm": "20 cm", "angle": [120, 165], "drop_mm": 50,
+         "belt_m_s": 1},
+    ],
+}  # fmt: skip
+
+
+def configured(geometry, **rest):
+    return load_config({"study": "one", "simulation": {"geometry": geometry, **rest}})
+
+
+def problem(geometry):
+    with pytest.raises(ConfigError) as caught:
+        configured(geometry)
+    (line,) = caught.value.problems
+    return line
+
+
+def test_a_study_of_the_plate_has_the_setup_that_it_had():
+    config = load_config({"study": "one"})
+    assert "geometry" not in setup_dict(config)
+    assert geometry_ranges(config) == {}
+
+
+def test_a_chain_is_in_si_units_and_its_ranges_are_columns():
+    config = configured(CHAIN)
+    shape = setup_dict(config)["geometry"]["shape"]
+    assert shape["plates"][0] == {
+        "name": "upper", "angle": "plate_angle", "length": 0.3, "width": 0.2,
+    }  # fmt: skip
+    assert shape["plates"][1] == {
+        "length": "plate_2_length", "width": 0.2, "angle": "plate_2_angle", "drop": 0.05,
+        "belt": 1.0,
+    }  # fmt: skip
+    assert geometry_ranges(config) == {
+        "plate_2_length": [0.25, 0.5], "plate_2_angle": [120.0, 165.0],
+    }  # fmt: skip
+    case = {"plate_angle": 30.0, "plate_2_length": 0.4, "plate_2_angle": 150.0}
+    built = geometry_of(filled_in(shape, case))
+    assert built.plates[1].length == 0.4 and built.names() == ["upper", "plate_2"]
+
+
+@pytest.mark.parametrize("kind", ["arc", "screw"])
+def test_the_defaults_of_a_kind_make_a_surface(kind):
+    shape = setup_dict(configured({"kind": kind}))["geometry"]["shape"]
+    assert len(geometry_of(filled_in(shape, {})).shape(0.05).triangles) > 10
+
+
+def test_a_range_of_an_arc_is_a_column():
+    config = configured({"kind": "arc", "arc": {"radius_mm": [250, 1000]}})
+    assert geometry_ranges(config) == {"arc_radius": [0.25, 1.0]}
+    assert setup_dict(config)["geometry"]["shape"]["radius"] == "arc_radius"
+
+
+def test_a_mesh_with_its_motion_and_place():
+    config = configured(
+        {
+            "kind": "mesh",
+            "mesh": {"file": "a.stl", "unit": "m", "offset_mm": [0, 100, 0]},
+            "moving": [
+                {"part": "drum", "rev_per_min": 20, "axis_point_mm": [0, 500, 0], "axis": [0, 0, 1]}
+            ],
+            "factory_centre_mm": [1, 2, 3],
+            "removal_box_mm": [[-1000, -1000, -1000], [1000, 1000, 1000]],
+        }
+    )
+    geometry = setup_dict(config)["geometry"]
+    assert geometry["centre"] == [0.001, 0.002, 0.003]
+    assert geometry["removal_box"] == [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]
+    built = geometry_of(filled_in(geometry["shape"], {}))
+    assert built.offset == (0.0, 0.1, 0.0) and built.unit == "m"
+    (motion,) = built.motions()
+    assert motion.revolutions == 20.0 and motion.axis_point == (0.0, 0.5, 0.0)
+
+
+def test_elements_are_those_of_the_plate_alone():
+    config = configured({"kind": "arc"})
+    assert rate_options(config)["element_size"] is None
+    assert target_dict(config)["element_size"] is None
+    assert math.isclose(rate_options(load_config({"study": "one"}))["element_size"], 0.03)
+
+
+@pytest.mark.parametrize(
+    ("geometry", "line"),
+    [
+        ({"kind": "plates"}, "geometry.plates: [] (default): kind: plates needs at least one"),
+        ({"kind": "mesh"}, "geometry.mesh.file: null (default): kind: mesh needs a file"),
+        ({"kind": "cone"}, 'geometry.kind: "cone": is unknown (allowed plate, plates, arc, mesh'),
+        (
+            {"kind": "arc", "arc": {"begin": 10}},
+            "geometry.arc.end: 10.0 (default): must differ from begin",
+        ),
+        (
+            {"kind": "arc", "arc": {"radius_mm": -3}},
+            "geometry.arc.radius_mm: -3: -3 is out of range (allowed above 0 up to 100000 mm, or",
+        ),
+        (
+            {"kind": "screw", "screw": {"shaft_radius_mm": [20, 80]}},
+            "must be less than that of the flight (allowed below 75 mm)",
+        ),
+        (
+            {"kind": "arc", "moving": [{"part": "arc", "belt_m_s": [1, 0, 0]}]},
+            "is for kind: mesh (allowed [] here)",
+        ),
+        ({"kind": "arc", "jet_direction": [0, 0, 0]}, "must point somewhere"),
+        ({"kind": "arc", "jet_direction": [0, 1]}, "must be three numbers, [x, y, z]"),
+        (
+            {"kind": "arc", "removal_box_mm": [[0, 0, 0], [1, 0, 1]]},
+            "the first corner must be lower than the second",
+        ),
+        (
+            {"kind": "plates", "plates": [{"length_mm": 3, "width_mm": 3}]},
+            "plate 1: angle is missing (allowed a list of {length_mm",
+        ),
+        (
+            {"kind": "plates", "plates": [{"length_mm": 3, "width_mm": 3, "angle": 3, "long": 3}]},
+            "plate 1: unknown key long",
+        ),
+        (
+            {"kind": "plates", "plates": [{"length_mm": "3 kg", "width_mm": 3, "angle": 3}]},
+            "plate 1: length_mm: ",
+        ),
+    ],
+)
+def test_wrong_keys_are_told_in_one_line(geometry, line):
+    assert line in problem(geometry)

@@ -1,0 +1,84 @@
+"""Figures of a surface: every cell is drawn with the colour of its rate."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.collections import PolyCollection
+
+from abradem.dem.surface import cell_areas
+from abradem.figures.part_rates import draw_part_rates
+from abradem.figures.surface_map import BARE_FLAT, draw_surface, surface_map_figure
+from abradem.geometry.build import surface_of
+from abradem.geometry.kinds import Plates
+from abradem.geometry.shapes import Rectangle
+from abradem.wear.part_effects import part_effects
+
+SURFACE = surface_of(
+    Plates((Rectangle(0.3, 0.2, 30.0), Rectangle(0.2, 0.2, 150.0, drop=0.2))), 0.05
+)
+CELLS = pd.DataFrame(
+    {
+        "case_id": 0,
+        "depth_rate_total": np.where(SURFACE.part == 1, 2e-3, 0.0),
+        "cell_area": cell_areas(SURFACE),
+    }
+)
+
+
+def test_parts_are_laid_out_with_the_colours_of_their_cells():
+    figure = surface_map_figure(SURFACE, CELLS, "total")
+    flat = [
+        collection
+        for panel in figure.axes
+        for collection in panel.collections
+        if type(collection) is PolyCollection
+    ]
+    assert [len(one.get_paths()) for one in flat] == [
+        np.count_nonzero(SURFACE.part == part) for part in (0, 1)
+    ]
+    bare, worn = (np.unique(one.get_facecolor(), axis=0) for one in flat)
+    assert bare == pytest.approx(np.array([BARE_FLAT]))
+    assert len(worn) == 1 and worn[0] != pytest.approx(BARE_FLAT)
+    titles = [panel.get_title() for panel in figure.axes if panel.get_title()]
+    assert titles == ["plate 1", "plate 2"]
+
+
+def test_a_surface_without_wear_is_drawn():
+    figure = surface_map_figure(SURFACE, CELLS.assign(depth_rate_total=0.0), "total")
+    figure.canvas.draw()
+
+
+def test_the_figure_of_a_study_shows_the_first_case_with_a_map():
+    setup = {
+        "geometry": {
+            "kind": "plates",
+            "plates": [
+                {"length": 0.3, "width": 0.2, "angle": 30.0},
+                {"length": 0.2, "width": 0.2, "angle": 150.0, "drop": 0.2},
+            ],
+        },
+        "facet_size": 0.05,
+        "patch_length": 0.05,
+        "patch_width": 0.05,
+    }
+    cases = pd.DataFrame({"case_id": [0, 1], "particle_radius": 0.01, "particle_velocity_y": -1.0})
+    figure = draw_surface(CELLS, cases, setup, 1, "total")
+    assert len([panel for panel in figure.axes if panel.get_title()]) == 2
+
+
+def test_rates_of_parts_are_drawn_against_what_varied():
+    cases = pd.DataFrame(
+        {"case_id": range(4), "plate_2_angle": [1.0, 2.0, 3.0, 4.0], "plate_angle": 30.0}
+    )
+    parts = pd.DataFrame(
+        {
+            "case_id": [*range(4)] * 2,
+            "part_name": ["a"] * 4 + ["b"] * 4,
+            "wear_total_mean": [1.0, 2.0, 3.0, 4.0, 4.0, 3.0, 2.0, 1.0],
+        }
+    )
+    effects = part_effects(parts, cases, "wear_total_mean")
+    figure = draw_part_rates(parts, effects, cases, {"name": "wear_total_mean"})
+    (panel,) = figure.axes
+    assert [line.get_ydata().tolist() for line in panel.lines] == [[1, 2, 3, 4], [4, 3, 2, 1]]
+    assert panel.get_xlabel() == "Plate 2 angle (deg)" or "2 angle" in panel.get_xlabel()

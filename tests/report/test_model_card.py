@@ -1,0 +1,129 @@
+"""The model card: ranges as configured, all targets with scores, what is unknown said so."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import pandas as pd
+import pytest
+
+from abradem.quantities import SAMPLED
+from abradem.report.model_card import card_page, model_card
+from abradem.store.files import read_json, write_json
+from abradem.surrogate.groups import Jet
+
+JET = Jet(0.385, 9.81, 42.0, None, 0.09, 0.09, "arc", 0.235)
+SCORES = {
+    name: {"mean": value, "median": value, "lower": value - 0.1, "upper": value + 0.01, "unit": "1"}
+    for name, value in (("R2", 0.95), ("R2_log", 0.985), ("MAPE", 0.12), ("RMSE", 0.002))
+}
+SURROGATE = {
+    "table": "paper",
+    "jet": JET._asdict(),
+    "jet_known": True,
+    "target": {"name": "wear_friction_p99", "unit": "mm/s", "element_size": 0.03, "known": True},
+    "scores": {"test": SCORES},
+    "distillation_error": {"rms": 0.0102, "largest": 0.06},
+    "local": [
+        {
+            "target": {"name": "wear_friction_mean", "unit": "mm/s"},
+            "held_out": {"R2": 0.977, "R2_log": 0.988, "MAPE": 0.108, "RMSE": 0.0014, "MAE": 1e-3},
+        }
+    ],
+    "features": [
+        {"name": row.name, "unit": row.unit,
+         "training_range": [0.99 * row.paper_range[0] + 0.01 * row.paper_range[1],
+                            row.paper_range[1]]}
+        for row in SAMPLED
+    ],
+    "training_rows": 198,
+    "dataset_hash": "0123abcd",
+}  # fmt: skip
+INTERVALS = {
+    "rows": 198,
+    "highest_level": 198 / 199,
+    "coverage": [{"level": 0.8, "coverage": 0.79, "band": [0.745, 0.855], "relative_width": 0.2}],
+}
+REGIONS = pd.DataFrame(
+    [("flat", "plate angle below 12 deg", 0.8, 0.58, 0.6, 0.95, 34, False)],
+    columns=["region", "words", "level", "coverage", "band_lower", "band_upper", "tested",
+             "in_band"],
+)  # fmt: skip
+FAILURES = pd.DataFrame({"status": ["unsteady", "unsteady", "overlap <5 %>"]})
+RANGES = {row.name: list(row.paper_range) for row in SAMPLED}
+
+
+@pytest.fixture(scope="module")
+def card():
+    return model_card(SURROGATE, INTERVALS, RANGES, FAILURES, REGIONS, "0.1.0", "CC-BY-4.0")
+
+
+def test_ranges_are_those_of_the_configuration_beside_those_of_the_rows(card):
+    for one, row, feature in zip(card["ranges"], SAMPLED, SURROGATE["features"], strict=True):
+        assert one["configured"] == list(row.paper_range)
+        assert one["in_rows"] == feature["training_range"] and one["unit"] == row.unit
+
+
+def test_every_target_has_its_meaning_and_scores(card):
+    first, second = card["targets"]
+    assert first["words"].startswith("wear depth rate, 99th percentile of 30 mm elements")
+    assert first["scores"]["R2"] == {"median": 0.95, "lower": 0.85, "upper": 0.96, "unit": "1"}
+    assert second["scores"]["RMSE"]["median"] == 0.0014
+    assert second["scores"]["RMSE"]["unit"] == "mm/s"
+
+
+def test_failures_are_counted_by_reason(card):
+    assert card["rows"]["failed"] == 3
+    assert card["rows"]["reasons"] == {"unsteady": 2, "overlap <5 %>": 1}
+
+
+def test_the_content_survives_json(card, tmp_path):
+    write_json(card, tmp_path / "card.json")
+    assert read_json(tmp_path / "card.json") == json.loads(json.dumps(card))
+
+
+class Rows(HTMLParser):
+    """Cells of all tables, and whether each tag is closed."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.cells, self.open = [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        if tag != "meta":
+            self.open.append(tag)
+        if tag == "tr":
+            self.cells.append([])
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] in ("td", "th"):
+            self.cells[-1].append(data)
+
+
+def test_the_page_shows_what_the_content_says(card):
+    page = card_page(card)
+    found = Rows(page)
+    assert found.open == []
+    assert ["mass rate", "42 kg/s"] in found.cells
+    assert ["plate angle", "deg", "0 ... 70", "0.7 ... 70"] in found.cells
+    (regions,) = [row for row in found.cells if row[0] == "plate angle below 12 deg"]
+    assert regions == ["plate angle below 12 deg", "34", "80 %", "58.0 %", "60.0 to 95.0 %"]
+    (target,) = [row for row in found.cells if row[0] == "wear_friction_p99"]
+    assert target[2:] == ["0.9500 (0.8500 to 0.9600)", "0.9850 (0.8850 to 0.9950)", "12.0 %"]
+    assert "1 overlap &lt;5 %&gt;" in page and "CC-BY-4.0" in page
+    assert not re.search(r"https?://|<script", page)
+
+
+def test_what_is_not_known_of_a_table_is_said():
+    target = {"name": "wear_total_mean", "unit": "mm/s", "known": False}
+    table = {**SURROGATE, "target": target, "jet_known": False, "local": [], "scores": {}}
+    card = model_card(table, INTERVALS, None)
+    page = card_page(card)
+    assert "Not stated for the table" in page and "that of the table it learned from" in page
+    assert "mean over the plate" not in page and "not determined" in page
+    assert card["licence"]["model"] == "that of the table it learned from"
+    assert card["ranges"][0]["configured"] is None and "<td class=n>-</td>" in page

@@ -1,0 +1,44 @@
+"""The page on the parts of a surface: its sentences state the numbers of its tables."""
+
+import pandas as pd
+
+from abradem.report.parts_page import parts_page
+from abradem.wear.part_effects import part_effects
+
+COLUMN = "wear_friction_mean"
+CASES = pd.DataFrame(
+    {"case_id": range(6), "plate_2_angle": [20.0, 25.0, 30.0, 35.0, 40.0, 45.0], "restitution": 0.5}
+)
+RATES = {"upper": [1.0, 1.2, 0.9, 1.1, 1.0, 1.05], "lower": [3.0, 2.8, 2.5, 2.0, 1.5, 1.0]}
+PARTS = pd.concat(
+    [
+        pd.DataFrame({"case_id": range(6), "part_name": part, "area": 0.09, COLUMN: rates})
+        for part, rates in RATES.items()
+    ],
+    ignore_index=True,
+)
+
+
+def page(parts, cases):
+    return parts_page("one", parts, part_effects(parts, cases, COLUMN), cases, COLUMN)
+
+
+def test_the_answer_names_the_part_that_wears_most_and_what_spares_it():
+    text = page(PARTS, CASES)
+    assert "Of 2 parts lower wears most: 2.13 mm/s on average over 6 cases" in text
+    assert (
+        "It falls with plate 2 angle (rank correlation -1.00): 2.9 mm/s from 20 to 25 deg, "
+        "1.25 mm/s from 40 to 45 deg." in text
+    )
+    assert "1.04 mm/s on average, from 0.9 to 1.2 mm/s." in text
+
+
+def test_no_effect_is_stated_where_nothing_varied_or_none_is_clear():
+    text = page(PARTS, CASES.assign(plate_2_angle=20.0))
+    assert "lower wears most" in text and "rank correlation" not in text
+    upper = PARTS[PARTS["part_name"] == "upper"]
+    assert "No quantity that varied decides it alone" in page(upper, CASES)
+
+
+def test_without_rates_the_page_says_so():
+    assert "No case gave a wear rate." in page(PARTS.iloc[:0], CASES)
