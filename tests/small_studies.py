@@ -128,7 +128,7 @@ def learned(table, folder):
         "scores": scored.scores, "predictions": scored.predictions, "summary": description,
         "arrays": arrays,
     }  # fmt: skip
-    indices = sobol(process, given, points=16, resamples=5, seed=1)
+    indices = sobol(process, given, points=16, draws=5, seed=1)
     found["sensitivity"] = {
         "indices": indices, "falls": permutation(given, 0.2, 2, 1),
         "dependence": partial_dependence(process, given, 1), "summary": verdict(indices),

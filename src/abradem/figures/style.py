@@ -50,6 +50,7 @@ MODEL_COLOURS = {
     "networks": PURPLE,
     "boosting": ORANGE,
     "gaussian_process": BLUE,
+    "stacked": BLACK,
     "surrogate": SKY,
 }
 """Colours of the models on dimensionless groups."""
