@@ -200,7 +200,7 @@ def texts_of(table, found):
         "calibration": found["intervals"].calibration,
         "coverage": found["intervals"].regions,
     }
-    assert set(shown) == set(TABLES) - {"failures", "fresh_coverage"}
+    assert set(shown) == set(TABLES) - {"dataset", "failures", "fresh_coverage"}
     return {
         "findings": to_html("Models", paragraphs),
         "numbers": latex.numbers_tex(latex.study_numbers(cited), NAME),

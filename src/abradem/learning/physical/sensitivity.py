@@ -71,8 +71,7 @@ def sobol(
     points : int
         Number of base points, a power of two; the model is evaluated at up to 16 times as many.
     draws : int
-        Number of functions drawn from the posterior of the process for the intervals; each is
-        evaluated at a quarter of the points.
+        Number of functions drawn from the posterior of the process for the intervals.
     confidence : float
     seed : int
 
@@ -88,7 +87,7 @@ def sobol(
     drawn = []
     for number in range(draws):
         rng = np.random.default_rng([seed, number, DRAWS])
-        drawn.append(_indices(FunctionDraw(process, rng), given, max(points // 4, 2), rng))
+        drawn.append(_indices(FunctionDraw(process, rng), given, points, rng))
     ends = [np.full(indices.shape, end) for end in (np.inf, -np.inf)]
     if draws:
         tail = 50.0 * (1.0 - confidence)
