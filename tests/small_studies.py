@@ -128,7 +128,7 @@ def learned(table, folder):
         "scores": scored.scores, "predictions": scored.predictions, "summary": description,
         "arrays": arrays,
     }  # fmt: skip
-    indices = sobol(process, given, points=16, resamples=5, seed=1)
+    indices = sobol(process, given, points=16, draws=5, seed=1)
     found["sensitivity"] = {
         "indices": indices, "falls": permutation(given, 0.2, 2, 1),
         "dependence": partial_dependence(process, given, 1), "summary": verdict(indices),
@@ -200,7 +200,7 @@ def texts_of(table, found):
         "calibration": found["intervals"].calibration,
         "coverage": found["intervals"].regions,
     }
-    assert set(shown) == set(TABLES) - {"failures", "fresh_coverage"}
+    assert set(shown) == set(TABLES) - {"dataset", "failures", "fresh_coverage"}
     return {
         "findings": to_html("Models", paragraphs),
         "numbers": latex.numbers_tex(latex.study_numbers(cited), NAME),

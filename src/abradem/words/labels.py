@@ -100,6 +100,7 @@ MODELS = {
     "boosting": "boosting",
     "networks": "network ensemble",
     "gaussian_process": "Gaussian process",
+    "stacked": "process + boosting",
     "surrogate": "surrogate (distilled)",
 }
 """Display names of the models of `abradem.learning`, by their names in the tables."""
