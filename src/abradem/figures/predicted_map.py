@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from abradem.figures import style
+from abradem.figures.wear_colours import WEAR_MAP
 
 
 def predicted_map_figure(
@@ -34,7 +35,7 @@ def predicted_map_figure(
             plate["length"] * x,
             plate["width"] * z,
             rate.T / 10.0**power,
-            cmap=style.WEAR_MAP,
+            cmap=WEAR_MAP,
             vmin=0.0,
             rasterized=True,
         )
