@@ -248,9 +248,9 @@ def figures_of(table, found):
     yield "architecture", draw_architecture(summaries)
     yield "distributions", distributions.draw(table, scored.predictions, TARGET, "ga_ann")
     yield "models", physical.models_figure(
-        scored.comparison, found["intervals"].calibration, found["reach"].curve, sensed.indices,
-        found["physical"].exponents, None, NAME,
+        scored.comparison, found["intervals"].calibration, found["reach"].curve, None, NAME,
     )  # fmt: skip
+    yield "power_law", physical.power_law_figure(found["physical"].exponents, NAME)
     yield (
         "sensitivity",
         sensitivity.sensitivity_figure(sensed.indices, sensed.falls, sensed.dependence, NAME),
