@@ -135,6 +135,7 @@ def test_the_command_gives_extremes(capsys, flat):
         (["--extremes", "plate_angle", "--solve", "plate_angle"], "are two questions; ask one"),
         (["--hours", "9"], "--hours is for --solve"),
         (["--target", "max"], "--target is for --solve and --extremes"),
+        (["--extremes", "x", "--map", "a.png"], "--map is not for --extremes"),
         (["--extremes", "x", "--table", "a.csv"], "--extremes is for a single case"),
         (["--extremes", "plate_angle", "--target", "worst"], "predicts wear_friction_p99"),
     ],

@@ -19,7 +19,7 @@ rule published_folder:
         rules.provenance.output,
         rules.summary.output,
         rules.figures.input,
-        expand(rules.table.output, table=TABLE_FILES),
+        expand(rules.table.output.text, table=TABLE_FILES),
         rules.linear.output,
         rules.penalised.output,
         rules.pca.output,

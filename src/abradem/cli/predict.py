@@ -168,20 +168,20 @@ def _refuse_combinations(options: argparse.Namespace) -> None:
     inverse = [f"--{name}" for name in ("solve", "extremes") if getattr(options, name) is not None]
     if len(inverse) == 2:
         problems.append("--solve and --extremes are two questions; ask one at a time")
-    if inverse and options.map is not None:
-        problems.append(f"--map shows one prediction, not the answer to {inverse[0]}")
     if inverse and options.table is not None:
         problems.append(f"{inverse[0]} is for a single case, not for --table FILE")
     if options.solve is not None and None in (options.depth, options.hours):
         problems.append("--solve needs --depth VALUE and --hours VALUE")
     if options.solve is None and options.hours is not None:
         problems.append("--hours is for --solve; --depth alone gives the hours")
+    if inverse and options.map is not None:
+        problems.append(f"--map is not for {inverse[0]}")
     if options.target is not None and not inverse:
         problems.append("--target is for --solve and --extremes; a prediction gives all places")
     if options.extremes is not None and options.depth is not None:
         problems.append("--depth is not for --extremes, which gives rates")
-    if options.map is not None and (inverse or options.table is not None):
-        problems.append("--map is for a single prediction, without --table, --solve or --extremes")
+    if options.map is not None and options.table is not None:
+        problems.append("--map is for a single prediction, not for --table FILE")
     if problems:
         raise PredictionError("\n".join(problems))
 

@@ -157,7 +157,7 @@ def _curve(panel: Axes, curve: pd.DataFrame, noise: Mapping | None) -> None:
     if noise is not None and np.isfinite(noise["r2_floor"] or np.nan):
         floor = float(unexplained(noise["r2_floor"], most=1.0))
         panel.axhline(floor, color=style.BLACK, lw=0.8, ls="--")
-        panel.text(curve["trained"].min(), floor, "noise floor", fontsize=6.5, va="bottom")
+        panel.text(curve["trained"].min(), 1.03 * floor, "noise floor", fontsize=6.5, va="top")
         lows.append(floor)
     panel.set_xscale("log")
     panel.set_yscale("log")
@@ -265,7 +265,11 @@ def _law(known: pd.DataFrame) -> str:
         (r"(1+e)", "log_rebound"),
     ]  # fmt: skip
     first, second = (
-        r"\;".join(f"{base}^{{\\,{value[term]:.2f}}}" for base, term in part if term in value)
+        r"\;".join(
+            f"{base}^{{\\,{number_or_words(value[term], '.2f')}}}"
+            for base, term in part
+            if term in value
+        )
         for part in (powers[:5], powers[5:])
     )
     terms = ((r"\cos\theta", "jet_width"), (r"\varphi", "plate_angle"),

@@ -30,7 +30,7 @@ def reach_figure(extrapolation: pd.DataFrame, targets: pd.DataFrame, table: str)
     """
     with style.style():
         figure = style.new_figure(style.PAGE, 2.9)
-        left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.05))
+        left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.3))
         _beyond(left, extrapolation)
         _targets(right, targets)
         style.caption(
@@ -114,7 +114,7 @@ def _targets(panel: Axes, targets: pd.DataFrame) -> None:
     bar.set_label("$R^2$")
     words = {"mean": "plate", "worn": "worn", "footprint": "footprint", "p99": "99th perc.",
              "max": "worst"}  # fmt: skip
-    panel.set_xticks(range(len(statistics)), [words[s] for s in statistics])
+    panel.set_xticks(range(len(statistics)), [words[s] for s in statistics], fontsize=6.5)
     panel.set_yticks(range(len(measures)), measures)
     panel.tick_params(length=0)
     for side in panel.spines.values():

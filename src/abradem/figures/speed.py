@@ -164,13 +164,13 @@ def islands_figure(spans: pd.DataFrame, contacts: pd.DataFrame, zooms) -> Figure
     with style.style():
         figure = style.new_figure(style.PAGE, 0.9 + 1.6 * len(zooms))
         panels = figure.subplots(len(zooms), 1, squeeze=False)[:, 0]
-        count = int(spans["particle"].max()) + 1
         for index, (panel, (begin, end)) in enumerate(zip(panels, zooms, strict=True)):
             # Contacts shorter than a point on the page are drawn with the length of a point.
             least = 1e3 * (end - begin) / (72.0 * style.PAGE)
+            present = spans[(spans["begin"] < end) & (spans["end"] > begin)]
+            count = int(present["particle"].max()) + 1
             for does, (colour, width, _) in _TOUCH.items():
-                part = spans[(spans["does"] == does) & (spans["end"] > begin)]
-                part = part[part["begin"] < end]
+                part = present[present["does"] == does]
                 starts = 1e3 * part["begin"].to_numpy()
                 ends = np.maximum(1e3 * part["end"].to_numpy(), starts + least)
                 panel.hlines(part["particle"], starts, ends, colors=colour, linewidths=width)

@@ -18,7 +18,7 @@ from abradem.learning.number_text import (
     score_range,
 )
 from abradem.learning.protocols import LEAKAGE_FREE
-from abradem.words.escaping import for_html
+from abradem.words.escaping import for_html, from_mathtext
 from abradem.words.labels import MODELS, ON_GROUPS
 
 MINUS = "\N{MINUS SIGN}"
@@ -91,15 +91,15 @@ def answer(summary: Mapping, models: pd.DataFrame, noise: Mapping | None) -> str
         return f"The scores of the models of the {target} are not determined."
     best = models.iloc[0]
     said = (
-        f"For cases that it has not seen, the best model ({MODELS[best['model']]}) explains "
+        f"For cases that it has not seen, the best model, {MODELS[best['model']]}, explains "
         f"{_explained(best['r2'])} of the variance of the {target}"
     )
     others = models[~models["model"].isin(ON_GROUPS)]
     if best["model"] in ON_GROUPS and len(others) and is_number(others["r2"].iloc[0]):
         other = others.iloc[0]
         said += (
-            f"; the best of the paper's models ({MODELS[other['model']]}), scored on the same "
-            f"splits without leakage, {_explained(other['r2'])}"
+            f"; the best one on the features of the paper, {MODELS[other['model']]}, on the "
+            f"same splits without leakage, {_explained(other['r2'])}"
         )
     if noise is not None and is_number(noise["r2_floor"]):
         said += (
@@ -116,7 +116,7 @@ def three_numbers(summary: Mapping, models: pd.DataFrame) -> list[tuple[str, str
     """Three numbers with their words: cases, range of the wear, its error or the best score."""
     low, high = summary["wear_range"]
     wear = (
-        f"{number_or_words(low)} to {number_or_words(high)} mm/s",
+        f"{_rate(low)} to {_rate(high)} mm/s",
         f"range of the {summary['target_words']}",
     )
     if summary["external"] is not None:
@@ -136,19 +136,31 @@ def three_numbers(summary: Mapping, models: pd.DataFrame) -> list[tuple[str, str
     ]
 
 
+def _rate(value: float) -> str:
+    """A rate with three digits and, if it is small, a power of ten."""
+    mantissa, _, power = number_or_words(value).partition("e")
+    return from_mathtext(rf"{mantissa} $\times 10^{{{int(power)}}}$") if power else mantissa
+
+
 def what_failed(summary: Mapping) -> str:
     """The cases without a rate and those with a quality flag, with the reasons."""
     if summary["external"] is not None:
         return "Nothing was simulated: the data set is an external table."
     failures = summary["failures"]
-    said = f"{failures} of {summary['cases']} cases gave no rate"
+    said = f"{failures} of {_cases(summary['cases'])} gave no rate"
     if summary["reasons"]:
         said += f" ({_counts(summary['reasons'])}; table failures)"
     flagged = summary["simulated"] - summary["cases_without_flag"]
-    said += f". {flagged} cases in the data set have a quality flag"
+    said += (
+        f". In the data set {_cases(flagged)} {'has' if flagged == 1 else 'have'} a quality flag"
+    )
     if summary["flags"]:
         said += f" ({_counts(summary['flags'])})"
     return f"{said}."
+
+
+def _cases(count: int) -> str:
+    return "1 case" if count == 1 else f"{count} cases"
 
 
 def _counts(found: Mapping[str, int]) -> str:
@@ -158,7 +170,7 @@ def _counts(found: Mapping[str, int]) -> str:
 def _row(row) -> str:
     kind = "groups" if row.model in ON_GROUPS else "paper"
     known = is_number(row.r2) and row.r2 > LOWEST_SCORE
-    unexplained = f"{1.0 - row.r2:.3g}" if known else UNDETERMINED
+    unexplained = f"{1.0 - row.r2:.4f}" if known else UNDETERMINED
     numbers = score_number(row.r2), score_range((row.r2_lower, row.r2_upper)), unexplained
     cells = "".join(f"<td>{text.replace('-', MINUS)}</td>" for text in numbers)
     name = for_html(MODELS.get(row.model, row.model))

@@ -29,14 +29,13 @@ model = surrogate_of(
     results,
     **snakemake.params.options,
 )
-model = with_meaning(model, **snakemake.params.meaning)
 model = with_domain(model, process, given, snakemake.params.options["seed"])
 local = LocalWear(
     read_json(snakemake.input.local)["local"], read_arrays(snakemake.input.local_arrays)
 )
 write_stage(
     snakemake.output.items(),
-    model=with_local_wear(model, local),
+    model=with_meaning(with_local_wear(model, local), **snakemake.params.meaning),
     scores=results.scores,
     predictions=results.predictions,
 )

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.learning.physical.distil import Settings, distil
-from abradem.learning.physical.intervals import INNER_FOLDS, conformal_of, held_out
+from abradem.learning.physical.intervals import INNER_FOLDS, conformal_of, hold_out_in_turn
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import WearProblem, problem
 from abradem.learning.scores import has_spread, score
@@ -114,7 +114,7 @@ def _one(
     """Description and arrays of one wear rate."""
     rows = np.arange(len(given.log_number))
     process = fitted(makers(seed)[PROCESS], given, rows)
-    held = held_out(given, rows, fold_count, seed)
+    held = hold_out_in_turn(given, rows, fold_count, seed)
     conformal = conformal_of(given, rows, held)
     arrays, error = distil(process, given, settings, seed, conformal.scale)
     actual = given.table.target
@@ -134,11 +134,15 @@ def with_meaning(
     """Description and arrays of a surrogate that says whether its jet and target are known.
 
     Of a table from elsewhere they may not be. The numbers of the jet are then a reference with
-    which the groups are computed, and the name of the target that of its column alone.
+    which the groups are computed, and the names of the wear rates those of their columns alone.
     """
     description, arrays = model
-    target = {**description["target"], "known": target_known}
-    return {**description, "jet_known": jet_known, "target": target}, arrays
+
+    def said(one: dict) -> dict:
+        return {**one, "target": {**one["target"], "known": target_known}}
+
+    local = [said(one) for one in description.get("local", [])]
+    return {**said(description), "jet_known": jet_known, "local": local}, arrays
 
 
 def with_local_wear(
