@@ -46,8 +46,7 @@ from abradem.dem.cache import kernel
 from abradem.dem.cells import cell_of, enter_cell, leave_cell
 from abradem.dem.factory import release_due
 from abradem.dem.flights import plan_flights, plan_pairs
-from abradem.dem.mesh_contact import touch_mesh
-from abradem.dem.mesh_search import turn_to
+from abradem.dem.mesh_contact import touch_surface
 from abradem.dem.motion import finish, fly_to, move, remove_if_fallen, touch_pair, touch_plate
 from abradem.dem.neighbours import compact
 from abradem.dem.plate import height_over
@@ -188,9 +187,7 @@ def _touch_walls(problem, state, agenda, mesh, now):
     """Contacts of the awake particles with the plate or, if there is one, with the surface."""
     particles, awake = state.particles, agenda.awake
     if mesh is not None:
-        turn_to(problem, mesh, now)
-        for k in range(agenda.clock[0].awake):
-            touch_mesh(problem, state, mesh, awake[k])
+        touch_surface(problem, state, mesh, now, awake, agenda.clock[0].awake)
         return
     for k in range(agenda.clock[0].awake):
         particle = particles[awake[k]]

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from abradem.dem.cache import kernel
 from abradem.dem.mesh import MOST_HITS, WALLS
 from abradem.dem.mesh_search import (
@@ -23,22 +25,37 @@ from abradem.dem.state import GONE
 from abradem.dem.vectors import cross, dot, plus
 
 
-@kernel(inline=True)
-def touch_surface(problem, state, mesh, step):
-    """Contacts of all particles with the surface at lattice step ``step``."""
+@kernel
+def touch_surface(problem, state, mesh, step, chosen, count):
+    """Contacts with the surface at lattice step ``step``: forces, torques and wear.
+
+    Parameters
+    ----------
+    problem : Problem
+    state : State
+    mesh : Mesh
+        That of the state.
+    step : int
+    chosen : ndarray of int, or None
+        Particles that can touch, the first ``count``; None means the first ``count`` of all.
+    count : int
+    """
     turn_to(problem, mesh, step)
-    for i in range(state.tally[0].live):
+    for k in range(count):
+        i = np.int64(k)
+        if chosen is not None:
+            i = chosen[k]
         particle = state.particles[i]
         if particle.motion != GONE and (
             particle.plate_stiffness != 0.0
             or has_walls_near(mesh, particle.x, particle.y, particle.z)
         ):
-            touch_mesh(problem, state, mesh, i)
+            _touch_mesh(problem, state, mesh, i)
 
 
-@kernel
-def touch_mesh(problem, state, mesh, i):
-    """Contacts of particle i with the surface: forces, torques and wear of this step."""
+@kernel(inline=True)
+def _touch_mesh(problem, state, mesh, i):
+    """Contacts of particle i with the surface."""
     particle, walls = state.particles[i], mesh.walls[i]
     count = find_contacts(mesh, particle.x, particle.y, particle.z, MOST_HITS, WALLS)
     if count == 0 and particle.plate_stiffness == 0.0:
@@ -56,24 +73,25 @@ def touch_mesh(problem, state, mesh, i):
                 if likeness >= nearest:
                     nearest = likeness
                     hit.settled = w
-    # Contacts that ended in this step.
-    for w in range(WALLS):
-        wall = walls[w]
-        if wall.plate_stiffness != 0.0 and not _is_taken(hits, count, w):
-            _press_on(problem, state, mesh, particle, wall, 0.0, True)
-    for c in range(count):
-        hit = hits[c]
-        if hit.settled < 0:
-            w = 0
-            while walls[w].plate_stiffness != 0.0 or _is_taken(hits, count, w):
-                w += 1
-            hit.settled = w
-            _clear(walls[w])
-        wall = walls[hit.settled]
-        wall.nx, wall.ny, wall.nz = hit.nx, hit.ny, hit.nz
-        wall.triangle = hit.triangle
-        overlap = problem.radius - hit.distance
-        _press_on(problem, state, mesh, particle, wall, overlap, hit.on_face == 1)
+    # First the contacts that ended in this step, by memory, then the hits.
+    for c in range(-WALLS, count):
+        w, overlap, on_face = c + WALLS, 0.0, True
+        if c < 0:
+            if walls[w].plate_stiffness == 0.0 or _is_taken(hits, count, w):
+                continue
+        else:
+            hit = hits[c]
+            w = hit.settled
+            if w < 0:
+                w = 0
+                while walls[w].plate_stiffness != 0.0 or _is_taken(hits, count, w):
+                    w += 1
+                hit.settled = w
+                _clear(walls[w])
+            walls[w].nx, walls[w].ny, walls[w].nz = hit.nx, hit.ny, hit.nz
+            walls[w].triangle = hit.triangle
+            overlap, on_face = problem.radius - hit.distance, hit.on_face == 1
+        _press_on(problem, state, mesh, particle, walls[w], overlap, on_face)
     particle.plate_stiffness = 0.0
     for w in range(WALLS):
         particle.plate_stiffness = max(particle.plate_stiffness, walls[w].plate_stiffness)
@@ -107,7 +125,7 @@ def clear_walls(mesh, i):
             _clear(mesh.walls[i, w])
 
 
-@kernel
+@kernel(inline=True)
 def _press_on(problem, state, mesh, particle, wall, overlap, on_face):
     """One contact with the surface: force, and wear and sums of its cell."""
     tally, sums, cell = state.tally[0], mesh.sums, wall.triangle

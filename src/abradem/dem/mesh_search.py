@@ -146,7 +146,7 @@ def _is_minimum(mesh, i, feature, arm):
     return True
 
 
-@kernel
+@kernel(inline=True)
 def find_contacts(mesh, x, y, z, most_hits, most_contacts):
     """Find the contacts of a sphere; they are the first of ``mesh.hits``, the deepest first.
 
