@@ -303,12 +303,24 @@ def test_all_that_is_wrong_is_told_at_once_and_nothing_is_simulated(capsys, aske
         (["--set", "target=1"],
          "--set target=1: may mean learning.target or calibration.target; "),
         (["--config", "none.yaml"], "none.yaml: there is no such file"),
+        (["--set", "mass_rate_kg_s=1", "--map", "x.vtp"],
+         "--map x.vtp: the plate is shown by snakemake vtk (allowed with a geometry)"),
+        (["--set", "geometry.kind=arc", "--model", "m"],
+         "--model m: a surrogate predicts the plate alone (allowed without a geometry)"),
     ],
 )  # fmt: skip
 def test_one_line_says_what_is_wrong(capsys, asked, arguments, line):
     code, out, err = run(capsys, "simulate", *arguments)
     assert code == 2 and out == [] and asked == []
     assert len(err) == 1 and err[0].startswith(line)
+
+
+def test_a_scene_is_for_a_geometry_from_whichever_option_it_comes(capsys, asked):
+    Path("arc.yaml").write_text("study: arc\nsimulation: {geometry: {kind: arc}}\n", "utf-8")
+    for geometry in (["--config", "arc.yaml"], ["--set", "geometry.kind=arc"]):
+        code, _, err = run(capsys, "simulate", *geometry, "--map", "x.vtp", "--seed", "-1")
+        assert code == 2 and len(err) == 1 and err[0].startswith("--seed -1")
+    assert asked == []
 
 
 # The kernels
@@ -522,6 +534,10 @@ def test_all_that_is_wrong_with_a_sweep_is_told_at_once(capsys, asked):
          "the sweep has 42671 cases (allowed 20000)"),
         (["plate_angle=0,3", "--surrogate", "--seed", "1"],
          "--seed is for simulations, without --surrogate"),
+        (["plate_angle=0,3", "--surrogate", "--set", "geometry.kind=arc"],
+         "--surrogate predicts the plate alone (allowed without a geometry)"),
+        (["plate_angle=0,3", "--geometry", "none.stl", "--output", "s.csv"],
+         "no case can be simulated: none.stl: there is no such file"),
         (["plate_angle=0,3", "--surrogate"],
          "results/default/models/surrogate.json: there is no such file"),
     ],

@@ -168,8 +168,6 @@ def _refuse_combinations(options: argparse.Namespace) -> None:
     inverse = [f"--{name}" for name in ("solve", "extremes") if getattr(options, name) is not None]
     if len(inverse) == 2:
         problems.append("--solve and --extremes are two questions; ask one at a time")
-    if inverse and options.map is not None:
-        problems.append(f"--map shows one prediction, not the answer to {inverse[0]}")
     if inverse and options.table is not None:
         problems.append(f"{inverse[0]} is for a single case, not for --table FILE")
     if options.solve is not None and None in (options.depth, options.hours):

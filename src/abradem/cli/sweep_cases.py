@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from abradem.cli.arguments import InputError
@@ -94,6 +94,8 @@ def run_sweep(options: argparse.Namespace) -> int:
     own = read_setup(options, problems)
     problems += impossible_values({**swept.fixed.values, **swept.lists})
     problems += _figure_problems(options, swept)
+    if options.surrogate and own is not None and own.setup.get("geometry"):
+        problems.append("--surrogate predicts the plate alone (allowed without a geometry)")
     if problems or own is None:
         raise InputError("\n".join(problems))
 
@@ -105,6 +107,7 @@ def run_sweep(options: argparse.Namespace) -> int:
         cases = combinations(values)
     except ValueError as error:
         raise InputError(str(error)) from None
+    _check_mesh(own.setup)
     if options.surrogate:
         return _predict(cases, swept, own, filled, level, options)
     return _simulate(cases, swept, own, filled, options)
@@ -154,6 +157,21 @@ def _figure_problems(options: argparse.Namespace, swept: Swept) -> list[str]:
     if curves > MOST_CURVES:
         return [f"--figure: {curves} curves are too many to tell apart (allowed {MOST_CURVES})"]
     return []
+
+
+def _check_mesh(setup: Mapping) -> None:
+    """Raise if the mesh of all cases cannot be used, with the line of `abradem simulate`."""
+    from abradem.geometry.build import mesh_file
+    from abradem.geometry.kinds import geometry_of
+    from abradem.geometry.shape import GeometryError
+
+    given = setup.get("geometry")
+    if mesh_file(given) is None:
+        return
+    try:
+        geometry_of(given["shape"]).shape(setup["facet_size"])
+    except GeometryError as error:
+        raise InputError(f"no case can be simulated: {error}") from None
 
 
 def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
