@@ -13,8 +13,9 @@ from straight_engine import RATE, straight_line
 
 import abradem
 import abradem.dem
+from abradem.cli.case_input import read_setup
 from abradem.cli.given_values import given_values, swept_values
-from abradem.cli.main import main
+from abradem.cli.main import _parser, main
 from abradem.config import load_config, setup_dict
 from abradem.config.materials import preset
 from abradem.dataset.user_table import find_columns, read_user_table
@@ -321,6 +322,27 @@ def test_a_scene_is_for_a_geometry_from_whichever_option_it_comes(capsys, asked)
         code, _, err = run(capsys, "simulate", *geometry, "--map", "x.vtp", "--seed", "-1")
         assert code == 2 and len(err) == 1 and err[0].startswith("--seed -1")
     assert asked == []
+
+
+def test_a_geometry_with_ranges_is_in_their_middle(capsys, asked):
+    Path("g.yaml").write_text(
+        "study: g\nsimulation: {geometry: {kind: arc, arc: {radius_mm: [400, 600], end: 20}}}\n",
+        "utf-8",
+    )
+    problems = []
+    options = _parser().parse_args(["simulate", "--config", "g.yaml"])
+    shape = read_setup(options, problems).setup["geometry"]["shape"]
+    assert problems == [] and shape["radius"] == 0.5 and shape["end"] == 20.0
+
+
+def test_a_check_of_a_configuration_reads_its_mesh(capsys, here):
+    Path("g.yaml").write_text(
+        "study: g\nsimulation: {geometry: {kind: mesh, mesh: {file: none.stl}}}\n", "utf-8"
+    )
+    code, out, err = run(capsys, "config", "--check", "g.yaml")
+    assert (code, out) == (2, []) and err == [
+        "no case can be simulated: none.stl: there is no such file (allowed: a mesh file)"
+    ]
 
 
 # The kernels

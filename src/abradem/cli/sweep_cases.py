@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from abradem.cli.arguments import InputError
 from abradem.cli.case_input import (
     OwnSetup,
     add_case_arguments,
+    check_mesh,
     headline,
     load_kernels,
     middle_of_ranges,
@@ -107,7 +108,7 @@ def run_sweep(options: argparse.Namespace) -> int:
         cases = combinations(values)
     except ValueError as error:
         raise InputError(str(error)) from None
-    _check_mesh(own.setup)
+    check_mesh(own.setup)
     if options.surrogate:
         return _predict(cases, swept, own, filled, level, options)
     return _simulate(cases, swept, own, filled, options)
@@ -157,21 +158,6 @@ def _figure_problems(options: argparse.Namespace, swept: Swept) -> list[str]:
     if curves > MOST_CURVES:
         return [f"--figure: {curves} curves are too many to tell apart (allowed {MOST_CURVES})"]
     return []
-
-
-def _check_mesh(setup: Mapping) -> None:
-    """Raise if the mesh of all cases cannot be used, with the line of `abradem simulate`."""
-    from abradem.geometry.build import mesh_file
-    from abradem.geometry.kinds import geometry_of
-    from abradem.geometry.shape import GeometryError
-
-    given = setup.get("geometry")
-    if mesh_file(given) is None:
-        return
-    try:
-        geometry_of(given["shape"]).shape(setup["facet_size"])
-    except GeometryError as error:
-        raise InputError(f"no case can be simulated: {error}") from None
 
 
 def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
