@@ -120,7 +120,7 @@ def pour(case: Case, setup: Setup) -> Pour:
             steps.append(int(particle["anchor_step"]))
             places.append([float(particle[f"anchor_{axis}"]) for axis in "xyz"])
         step = int(engine.state.tally["next_release"][0])
-    velocity = np.tile([0.0, problem.release_speed, 0.0], (len(steps), 1))
+    velocity = np.tile([0.0, case.particle_velocity_y, 0.0], (len(steps), 1))
     return Pour(
         problem, end, np.array(steps), np.array(places), velocity,
         np.array(present), np.array(energy), low, high,

@@ -128,7 +128,7 @@ def learned(table, folder):
         "scores": scored.scores, "predictions": scored.predictions, "summary": description,
         "arrays": arrays,
     }  # fmt: skip
-    indices = sobol(process, given, points=16, resamples=5, seed=1)
+    indices = sobol(process, given, points=16, draws=5, seed=1)
     found["sensitivity"] = {
         "indices": indices, "falls": permutation(given, 0.2, 2, 1),
         "dependence": partial_dependence(process, given, 1), "summary": verdict(indices),
@@ -200,7 +200,7 @@ def texts_of(table, found):
         "calibration": found["intervals"].calibration,
         "coverage": found["intervals"].regions,
     }
-    assert set(shown) == set(TABLES) - {"failures", "fresh_coverage"}
+    assert set(shown) == set(TABLES) - {"dataset", "failures", "fresh_coverage"}
     return {
         "findings": to_html("Models", paragraphs),
         "numbers": latex.numbers_tex(latex.study_numbers(cited), NAME),
@@ -248,9 +248,9 @@ def figures_of(table, found):
     yield "architecture", draw_architecture(summaries)
     yield "distributions", distributions.draw(table, scored.predictions, TARGET, "ga_ann")
     yield "models", physical.models_figure(
-        scored.comparison, found["intervals"].calibration, found["reach"].curve, sensed.indices,
-        found["physical"].exponents, None, NAME,
+        scored.comparison, found["intervals"].calibration, found["reach"].curve, None, NAME,
     )  # fmt: skip
+    yield "power_law", physical.power_law_figure(found["physical"].exponents, NAME)
     yield (
         "sensitivity",
         sensitivity.sensitivity_figure(sensed.indices, sensed.falls, sensed.dependence, NAME),

@@ -12,6 +12,7 @@ import re
 import sys
 from collections import defaultdict
 from functools import cache
+from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import jsonschema
@@ -237,6 +238,13 @@ def test_a_stage_has_one_name(rules):
 def test_no_folder_of_scripts_is_without_rules():
     folders = {path.parent.name for path in SCRIPTS.rglob("*.py")}
     assert folders <= {path.stem for path in RULES.glob("*.smk")}
+
+
+@pytest.mark.parametrize("script", sorted(SCRIPTS.rglob("*.py")), ids=lambda path: path.stem)
+def test_no_script_hides_a_library(script):
+    """Python looks for modules in the folder of the script first."""
+    assert script.stem not in sys.stdlib_module_names
+    assert script.stem not in packages_distributions()
 
 
 REFERENCE = re.compile(r"`([\w./-]+\.py):([A-Za-z_][\w.]*)`")

@@ -139,7 +139,7 @@ def test_particles_too_soft_for_their_speed_end_the_case():
 
 def test_more_particles_than_there_is_room_for_end_the_case(monkeypatch):
     monkeypatch.setattr(simulation, "MOST_PARTICLES", 64)
-    monkeypatch.setattr(simulation, "_check_size", lambda problem, setup: None)
+    monkeypatch.setattr(simulation, "_check_size", lambda case, problem, setup: None)
     result = simulate(case(particle_radius=0.005), SETUP)
     assert result.status == "more than 64 particles at once"
 

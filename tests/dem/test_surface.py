@@ -226,14 +226,14 @@ def test_a_case_on_a_surface_reaches_its_window():
 
 def test_a_feed_aims_a_jet_from_anywhere():
     wall = extruded([(0.3, -0.2), (0.3, 0.2)], 0.4)
-    feed = Feed((0.0, 0.05, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1), (2.0, 0.0, 0.0))
+    feed = Feed((0.0, 0.02, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.3), (2.0, 0.0, 0.0))
     case = dataclasses.replace(CASE, particle_velocity_y=-6.0)
-    result = simulate(
-        case, Setup(surface=wall, feed=feed, duration=0.2, mass_rate=None, number_rate=200.0)
-    )
+    setup = Setup(surface=wall, feed=feed, duration=0.25, mass_rate=None, number_rate=50.0)
+    result = simulate(case, setup)
     impacts, speed, angle = result.cell_sums_all[:3].sum(axis=1)
-    assert impacts > 10
-    assert speed / impacts == pytest.approx(6.0, rel=0.02)
+    assert impacts >= 8
+    # Few of the particles meet one that has rebounded.
+    assert speed / impacts == pytest.approx(6.0, rel=0.1)
     assert angle / impacts < 10.0
 
 

@@ -116,6 +116,9 @@ def test_a_map_shows_x_to_the_right_and_z_upwards():
     )
     values = np.asarray(figure.axes[0].collections[0].get_array()).reshape(6, 6)
     assert np.unravel_index(values.argmax(), values.shape) == (1, 5)
+    # Facets without wear have no colour of the scale, and the legend says so.
+    hidden = np.ma.getmaskarray(figure.axes[0].collections[0].get_array())
+    assert hidden.sum() == 35 and "no wear" in texts(figure)
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ from abradem.figures.gallery import chosen_cases, gallery_figure
 from abradem.figures.gallery_page import WIDTH, page, shrink
 from abradem.figures.maps import depth_rate_maps
 from abradem.figures.render import Camera, DrawnPlate, Patch, picture
-from abradem.figures.setup import setup_figure
+from abradem.figures.setup import setup_figure, within_frame
 from abradem.figures.verdicts import margins, verdicts_figure
 from abradem.running.rule_graph import from_dot
 from abradem.verification.checks import HOLDS, Check, checks_table
@@ -205,6 +205,15 @@ def test_the_set_up_names_what_it_shows(angles, monkeypatch):
     assert_fit_to_print(figure)
     (mesh,) = figure.axes[1].collections
     assert np.nanmax(mesh.get_array()) == pytest.approx(mesh.get_clim()[1])
+
+
+def test_particles_cut_by_the_frame_are_not_within_it():
+    """At the centre of the picture, at its edge, and half a radius inside the edge."""
+    half = 0.5 * CAMERA.width / CAMERA.height
+    places = np.array([[0.0, 0.0, 0.0], [half, 0.0, 0.0], [half - 0.02, 0.0, 0.0]])
+    assert list(within_frame(CAMERA, places, 0.04)) == [True, False, False]
+    assert list(within_frame(CAMERA, places[2:], 0.01)) == [True]
+    assert len(within_frame(CAMERA, places[:0], 0.04)) == 0
 
 
 def test_curves_by_angle_carry_their_angles_and_share_the_axis():

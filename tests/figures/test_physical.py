@@ -29,7 +29,7 @@ def figures(rows):
     two = {name: models[name] for name in (POWER_LAW, PROCESS)}
     process = models[PROCESS]().fit(given.groups, given.log_number, given.error)
     calibration = calibrate(given, 3).calibration
-    indices = sobol(process, given, points=32, resamples=5)
+    indices = sobol(process, given, points=32, draws=5)
     comparison = compare(results.scores, with_scale(results.predictions, frame, JET), draws=100)
     curve = learning_curve(given, two, repeats=2)
     for noise in (NOISE, None, {**NOISE, "r2_floor": None}):

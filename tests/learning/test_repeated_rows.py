@@ -8,7 +8,7 @@ from tables import drawn, no_law, product_law
 
 from abradem.learning.baselines.ga_ann import leakage_free_split
 from abradem.learning.baselines.trees import fit_trees
-from abradem.learning.physical.intervals import held_out
+from abradem.learning.physical.intervals import hold_out_in_turn
 from abradem.learning.physical.models import BOOSTING, evaluate, fit_physical, makers
 from abradem.learning.physical.problem import problem
 from abradem.learning.protocols import divide, folds, repeated_splits
@@ -168,7 +168,7 @@ def test_physical_models_and_their_intervals_keep_repeats_together():
     assert unknown < 0.7 < 0.95 < known
     # The errors of rows known by heart are far smaller than those of new ones.
     rows = np.arange(120)
-    scores = [np.median(held_out(one, rows, 3, 1).score) for one in (given, apart)]
+    scores = [np.median(hold_out_in_turn(one, rows, 3, 1).score) for one in (given, apart)]
     assert scores[0] > 20.0 * scores[1]
     _, _, summary, _ = fit_physical(given, makers(1, {"trees": 5}, {"members": 1, "steps": 20}),
                                     repeats=1)  # fmt: skip

@@ -58,6 +58,11 @@ def card():
     return model_card(SURROGATE, INTERVALS, RANGES, FAILURES, REGIONS, "0.1.0", "CC-BY-4.0")
 
 
+def test_a_simulated_study_says_what_it_is_for(card):
+    assert card["intended_use"][0].endswith("as the engine simulates them")
+    assert card["not_intended"][0].startswith("another jet or plate than the one below")
+
+
 def test_ranges_are_those_of_the_configuration_beside_those_of_the_rows(card):
     for one, row, feature in zip(card["ranges"], SAMPLED, SURROGATE["features"], strict=True):
         assert one["configured"] == list(row.paper_range)
@@ -123,6 +128,8 @@ def test_what_is_not_known_of_a_table_is_said():
     table = {**SURROGATE, "target": target, "jet_known": False, "local": [], "scores": {}}
     card = model_card(table, INTERVALS, None)
     page = card_page(card)
+    assert "as in the table of the study" in page and "as the engine simulates" not in page
+    assert "than that of the table, whatever it is" in page
     assert "Not stated for the table" in page and "that of the table it learned from" in page
     assert "mean over the plate" not in page and "not determined" in page
     assert card["licence"]["model"] == "that of the table it learned from"

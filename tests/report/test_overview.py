@@ -52,13 +52,13 @@ def test_models_are_ranked_by_their_scores_on_the_same_splits():
     assert list(found["r2"]) == sorted(SCORES.values(), reverse=True)
 
 
-def test_the_answer_names_the_best_model_the_best_of_the_paper_and_the_noise():
+def test_the_answer_names_the_best_model_the_best_on_the_papers_features_and_the_noise():
     said = answer(SUMMARY, same_splits(comparison(SCORES)), NOISE)
     assert said == (
         "For cases that it has not seen, the best model, Gaussian process, explains 92.5 % of the "
-        "variance of the wear depth rate, total; the best of the paper's models, GA-ANN, scored "
-        "on the same splits without leakage, 77.5 %. The noise of the simulations limits any model "
-        "to 93.0 %."
+        "variance of the wear depth rate, total; the best one on the features of the paper, "
+        "GA-ANN, on the same splits without leakage, 77.5 %. The noise of the simulations limits "
+        "any model to 93.0 %."
     )
 
 

@@ -59,7 +59,7 @@ def test_simulations_do_not_depend_on_what_comes_after_them():
     ["simulation/simulate", "wear/wear_rates", "dataset/dataset", "dataset/failures",
      "baselines/ga_ann", "physical/physical", "physical/intervals", "physical/surrogate",
      "physical/sensitivity", "physical/reach", "physical/noise_floor", "learning/scores",
-     "calibration/setups", "calibration/trial", "calibration/scores", "calibration/outcome"],
+     "calibration/setups", "calibration/trial", "calibration/scores", "calibration/best_trial"],
 )  # fmt: skip
 def test_no_simulation_and_no_training_depends_on_words_or_figures(script):
     floors = {module.split(".")[1] for module in reached(script)}
@@ -81,7 +81,7 @@ def test_a_figure_depends_on_its_own_module_style_and_words(name):
     modules = reached("figures/figure", entry.module)
     assert {entry.module, "abradem.figures.style", "abradem.words.labels"} <= modules
     drawn = {one for one in modules if one.startswith("abradem.figures.")}
-    shared = {"style", "cases_shown", "render", "maps"}
+    shared = {"style", "cases_shown", "render", "maps", "score_axis", "wear_colours"}
     assert {one.rpartition(".")[2] for one in drawn} <= {*shared, entry.module.rpartition(".")[2]}
 
 

@@ -21,7 +21,7 @@ from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS, preset
 from abradem.learning.model_files import write_model
 from abradem.learning.physical.distil import Settings, distil, evaluate_surrogate, surrogate_of
 from abradem.learning.physical.error_scale import fit_scale
-from abradem.learning.physical.intervals import Conformal, conformal_of, held_out
+from abradem.learning.physical.intervals import Conformal, conformal_of, hold_out_in_turn
 from abradem.learning.physical.models import PROCESS, makers
 from abradem.learning.physical.problem import problem
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, check_value
@@ -53,7 +53,7 @@ def process(given):
 def stem(given, process, tmp_path_factory):
     """Path of the files of a surrogate, without suffix."""
     rows = np.arange(len(given.log_number))
-    scores = conformal_of(given, rows, held_out(given, rows))
+    scores = conformal_of(given, rows, hold_out_in_turn(given, rows))
     results = evaluate_surrogate(given, SETTINGS._replace(epochs=3), repeats=1, seed=1)
     model = surrogate_of(given, process, scores, SETTINGS, results, seed=1)
     path = tmp_path_factory.mktemp("models") / "surrogate"

@@ -202,7 +202,8 @@ def test_data_for_templates_keep_their_structure_and_numbers():
 SUMMARY = {
     "external": "x", "cases": 24, "target": "wear_total_mean", "wear_range": [1e-9, 2e-9],
     "misprints": None,
-    "models": [{"model": "ga_ann", "r2": 0.5, "lower": None, "upper": 0.6, "basis": "fixed_split"}],
+    "models": [{"model": "ga_ann", "r2": 0.5, "lower": None, "upper": 0.6, "number": None,
+                "basis": "fixed_split"}],
 }  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 import pytest
 
 from abradem.learning.comparison import ORDER
+from abradem.learning.physical.models import MODELS as PHYSICAL_MODELS
 from abradem.learning.physical.power_law import SHARES, TERMS
 from abradem.learning.protocols import PROTOCOLS as PROTOCOL_NAMES
 from abradem.quantities import QUANTITIES, STATISTICS, WEAR_COLUMNS, WEAR_MEASURES, Quantity
@@ -36,3 +37,8 @@ def test_long_names_in_the_metadata_of_tables_are_the_labels(name):
 
 def test_the_table_of_quantities_holds_numbers_and_units_alone():
     assert not {"tex", "long_name", "label"} & set(Quantity.__dataclass_fields__)
+
+
+def test_the_models_on_groups_are_those_of_the_physics():
+    assert set(labels.ON_GROUPS) == {*PHYSICAL_MODELS, "surrogate"}
+    assert set(labels.ON_GROUPS) < set(labels.MODELS)

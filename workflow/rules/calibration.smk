@@ -169,9 +169,9 @@ rule best_trial:
     params:
         search=SEARCH.search,
         by=JUDGED_BY,
-        code=code_of("calibration/outcome"),
+        code=code_of("calibration/best_trial"),
     script:
-        "../scripts/calibration/outcome.py"
+        "../scripts/calibration/best_trial.py"
 
 
 rule trial_table:

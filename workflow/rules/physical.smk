@@ -359,9 +359,9 @@ if TESTED_WITH:
         params:
             setup=JET,
             table=LEARNED_FROM,
-            code=code_of("physical/coverage"),
+            code=code_of("physical/fresh_coverage"),
         script:
-            "../scripts/physical/coverage.py"
+            "../scripts/physical/fresh_coverage.py"
 
 
 NOISE_SUMMARY = rules.noise_floor.output.summary if SIMULATED else []

@@ -180,8 +180,8 @@ def _refuse_combinations(options: argparse.Namespace) -> None:
         problems.append("--target is for --solve and --extremes; a prediction gives all places")
     if options.extremes is not None and options.depth is not None:
         problems.append("--depth is not for --extremes, which gives rates")
-    if options.map is not None and (inverse or options.table is not None):
-        problems.append("--map is for a single prediction, without --table, --solve or --extremes")
+    if options.map is not None and options.table is not None:
+        problems.append("--map is for a single prediction, not for --table FILE")
     if problems:
         raise PredictionError("\n".join(problems))
 

@@ -17,6 +17,7 @@ from abradem.dem.model import Setup
 from abradem.figures import style
 from abradem.figures.render import Camera, picture
 from abradem.figures.setup import factory_patch, particle_tints, worn_plate
+from abradem.figures.wear_colours import WEAR_MAP
 
 _EYE = np.array([-0.25, 0.42, 0.87]) / np.linalg.norm([-0.25, 0.42, 0.87])
 _DISTANCE = 5.0
@@ -119,7 +120,7 @@ class _Stage:
         scale = self.figure.add_axes((0.5 * (1 - share), 0.66 * _FOOT * width / height, share,
                                       0.16 * _FOOT * width / height))  # fmt: skip
         bar = self.figure.colorbar(
-            ScalarMappable(Normalize(0.0, top / 10.0**power), mpl.colormaps[style.WEAR_MAP]),
+            ScalarMappable(Normalize(0.0, top / 10.0**power), mpl.colormaps[WEAR_MAP]),
             cax=scale, orientation="horizontal", extend="max",
         )  # fmt: skip
         bar.outline.set_linewidth(0.6)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from abradem.dem.model import Setup
 from abradem.figures import style
 from abradem.figures.maps import depth_rate_maps
+from abradem.figures.wear_colours import no_wear_handle, only_worn, wear_colours
 from abradem.store.tables import concatenate
 from abradem.words.labels import LABELS
 from abradem.words.wear import WearTarget
@@ -99,7 +100,7 @@ def gallery_figure(
         figure.supxlabel(f"{style.axis_label(across)}, larger to the right", fontsize=8.0)
         figure.supylabel(f"{style.axis_label(down)}, larger downwards", fontsize=8.0)
         if (facets["depth_rate"] <= 0.0).any():
-            figure.legend(handles=[style.no_wear_handle()], loc="outside upper right")
+            figure.legend(handles=[no_wear_handle()], loc="outside upper right")
         style.caption(
             figure,
             f"wear measure: {measure}; columns: {LABELS[across].long_name}, rows: "
@@ -125,7 +126,7 @@ def _map(panel, rows: pd.DataFrame, case: pd.Series):
     ]
     panel.set_axis_on()
     mesh = panel.pcolormesh(
-        *edges, style.only_worn(depth / top if top > 0.0 else depth), cmap=style.wear_colours(),
+        *edges, only_worn(depth / top if top > 0.0 else depth), cmap=wear_colours(),
         vmin=0.0, vmax=1.0, rasterized=True,
     )  # fmt: skip
     panel.set_aspect("equal")

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from abradem.dem.model import Setup
 from abradem.figures import style
 from abradem.figures.cases_shown import runs_shown, stacked
+from abradem.figures.wear_colours import no_wear_handle, only_worn, wear_colours
 from abradem.quantities import SAMPLED_NAMES
 from abradem.store.tables import concatenate
 from abradem.units import MM_PER_M
@@ -65,7 +66,7 @@ def wear_maps_figure(facets: pd.DataFrame, panels: pd.DataFrame, target: WearTar
             else:
                 lined |= _map_panel(figure, panel, rows, target)
         if (facets["depth_rate"] <= 0.0).any():
-            figure.legend(handles=[style.no_wear_handle()], loc="outside upper center")
+            figure.legend(handles=[no_wear_handle()], loc="outside upper center")
         style.caption(
             figure,
             f"wear measure: {target.measure}; depth rate of each facet {_window_words(panels)}; "
@@ -82,7 +83,7 @@ def _map_panel(figure: Figure, panel, rows: pd.DataFrame, target: WearTarget) ->
     x, z = _edges(grid.columns.to_numpy()), _edges(grid.index.to_numpy())
     power = style.decade(grid.to_numpy().max())
     mesh = panel.pcolormesh(
-        x, z, style.only_worn(grid.to_numpy() / 10.0**power), cmap=style.wear_colours(), vmin=0.0,
+        x, z, only_worn(grid.to_numpy() / 10.0**power), cmap=wear_colours(), vmin=0.0,
         rasterized=True,
     )  # fmt: skip
     panel.set_aspect("equal")

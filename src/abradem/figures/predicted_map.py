@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from abradem.figures import style
+from abradem.figures.wear_colours import WEAR_MAP
 
 
 def predicted_map_figure(
@@ -34,21 +35,21 @@ def predicted_map_figure(
             plate["length"] * x,
             plate["width"] * z,
             rate.T / 10.0**power,
-            cmap=style.WEAR_MAP,
+            cmap=WEAR_MAP,
             vmin=0.0,
             rasterized=True,
         )
         panel.set_aspect("equal")
         panel.spines[["top", "right"]].set_visible(True)
-        panel.set_xlabel("$x$ along the slope (mm)")
-        panel.set_ylabel("$z$ across (mm)")
+        panel.set_xlabel("Up the slope (mm)")
+        panel.set_ylabel("Across (mm)")
         style.title_own_case(panel, row)
-        bar = figure.colorbar(mesh, ax=panel, fraction=0.05, pad=0.03)
+        bar = figure.colorbar(mesh, cax=panel.inset_axes([1.05, 0.0, 0.055, 1.0]))
         bar.outline.set_linewidth(0.6)
-        bar.set_label(f"wear depth rate ({style.scaled_unit(power, 'mm/s')})", fontsize=7.0)
-        style.caption(
+        bar.set_label(f"Depth rate ({style.scaled_unit(power, 'mm/s')})", fontsize=7.0)
+        style.write_below(
             figure,
-            f"predicted by the map surrogate, wear measure: {measure}; without the noise of a "
-            "simulation",
+            f"Predicted by the map surrogate; wear measure: {measure}; without the scatter of a "
+            "simulation.",
         )
     return figure

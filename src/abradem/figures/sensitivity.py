@@ -106,9 +106,9 @@ def sensitivity_figure(
         style.caption(
             figure,
             f"data set: {table}; Gaussian process. (a) over the ranges of the data set, all "
-            "quantities that varied independent; 95 % bootstrap intervals. (b) mean, smallest and "
-            "largest of the splits. From (c) on: geometric mean of the predicted wear depth rate "
-            "over the cases, with one quantity set to the value shown"
+            "quantities that varied independent; bars: 95 % of functions drawn from the posterior. "
+            "(b) mean, smallest and largest of the splits. From (c) on: geometric mean of the "
+            "predicted wear depth rate over the cases, with one quantity set to the value shown"
             + (
                 f". Total indices below {_SMALL:g}, not drawn: "
                 f"{', '.join(LABELS[name].long_name for name in small)}"

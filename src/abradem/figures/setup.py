@@ -14,6 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from abradem.dem.model import Setup
 from abradem.figures import style
 from abradem.figures.render import Camera, DrawnPlate, Patch, picture, tilted
+from abradem.figures.wear_colours import no_wear_handle, only_worn, wear_colours
 from abradem.wear.depths import depth_frames
 from abradem.words.labels import LABELS
 
@@ -106,7 +107,7 @@ def setup_figure(
             # Particles of a crowded jet lie behind the labels.
             text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
         if (depth <= 0.0).any():
-            figure.legend(handles=[style.no_wear_handle()], loc="lower right")
+            figure.legend(handles=[no_wear_handle()], loc="lower right")
         style.caption(figure, _words(particles, case, setup, measure))
     return figure
 
@@ -115,7 +116,7 @@ def worn_plate(
     depth: np.ndarray, top: float, case: Mapping[str, float], setup: Setup
 ) -> DrawnPlate:
     """The plate coloured by its wear depth (nx, nz), mm; the colours end at ``top``, mm."""
-    colours = style.wear_colours()(style.only_worn(np.clip(depth / top, 0.0, 1.0)))[..., :3]
+    colours = wear_colours()(only_worn(np.clip(depth / top, 0.0, 1.0)))[..., :3]
     return DrawnPlate(setup.plate_length, setup.plate_width, case["plate_angle"], colours)
 
 
@@ -147,7 +148,7 @@ def wear_map_panel(panel: Axes, depth: np.ndarray, top: float, setup: Setup):
     x = 1e3 * np.linspace(-0.5, 0.5, depth.shape[0] + 1) * setup.plate_length
     z = 1e3 * np.linspace(-0.5, 0.5, depth.shape[1] + 1) * setup.plate_width
     mesh = panel.pcolormesh(
-        x, z, style.only_worn(depth.T), cmap=style.wear_colours(), vmin=0.0, vmax=top,
+        x, z, only_worn(depth.T), cmap=wear_colours(), vmin=0.0, vmax=top,
         rasterized=True,
     )  # fmt: skip
     panel.set_aspect("equal")

@@ -16,9 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -50,15 +48,11 @@ MODEL_COLOURS = {
     "networks": PURPLE,
     "boosting": ORANGE,
     "gaussian_process": BLUE,
+    "stacked": BLACK,
     "surrogate": SKY,
 }
 """Colours of the models on dimensionless groups."""
 PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK)
-WEAR_MAP = "YlOrRd"
-"""Colours of depth maps, yellow to red."""
-NO_WEAR = "#C3CFD9"
-"""Colour of facets without wear, which is not a colour of little wear."""
-
 _SETTINGS: Any = {
     "font.family": "DejaVu Sans",
     "mathtext.fontset": "dejavusans",
@@ -196,21 +190,6 @@ def minus(text: str) -> str:
 def feature_colours(names: Iterable[str]) -> list[str]:
     """Colour of each feature, which depends on whether it is sampled or derived."""
     return [ORANGE if quantity(name).kind == "derived" else BLUE for name in names]
-
-
-def wear_colours() -> Colormap:
-    """Colours of depth maps, with a colour of its own for masked facets, those without wear."""
-    return mpl.colormaps[WEAR_MAP].with_extremes(bad=NO_WEAR)
-
-
-def only_worn(depth: np.ndarray) -> np.ma.MaskedArray:
-    """The depths of a map with the facets masked that have no wear."""
-    return np.ma.masked_less_equal(depth, 0.0)
-
-
-def no_wear_handle() -> Patch:
-    """Legend handle for the facets without wear."""
-    return Patch(color=NO_WEAR, label="no wear")
 
 
 def feature_handles() -> list[Patch]:

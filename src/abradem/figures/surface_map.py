@@ -17,6 +17,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from abradem.dem.model import Setup
 from abradem.dem.surface import Surface
 from abradem.figures import style
+from abradem.figures.wear_colours import WEAR_MAP
 from abradem.geometry.build import case_surface
 from abradem.geometry.unrolled import unrolled_part
 from abradem.units import MM_PER_M
@@ -84,7 +85,7 @@ def surface_map_figure(surface: Surface, cells: pd.DataFrame, measure: str) -> F
     area = cells["cell_area"].to_numpy()
     top, power = _top(rate, area), style.decade(rate.max())
     colours = ScalarMappable(
-        Normalize(0.0, top / 10.0**power or 1.0), matplotlib.colormaps[style.WEAR_MAP]
+        Normalize(0.0, top / 10.0**power or 1.0), matplotlib.colormaps[WEAR_MAP]
     )
     faces = colours.to_rgba(rate / 10.0**power)
     bare = (rate <= 0.0)[:, None]

@@ -26,7 +26,7 @@ from abradem.surrogate.groups import Jet, wear_scale
 
 ORDER = (
     "linear", "lasso", "ridge", "pca_wrong_target", "pca", "tree", "forest", "paper_net", "ga_ann",
-    "power_law", "boosting", "networks", "gaussian_process", "surrogate",
+    "power_law", "boosting", "networks", "gaussian_process", "stacked", "surrogate",
 )  # fmt: skip
 SPLITS, FIXED, RETRAINED = "repeated splits", "fixed split", "trained again"
 

@@ -30,7 +30,7 @@ PUBLISHED_NETWORK_SHARE = 0.3
 """Share of the rows held out for the networks, as published."""
 
 
-VALIDATION, CROSS_VALIDATION, CURVE, SHUFFLES = 1, 2, 3, 4
+VALIDATION, CROSS_VALIDATION, CURVE, SHUFFLES, DRAWS = 1, 2, 3, 4, 5
 """Last entry of the seed of each random stream beside the splits, so that no two are the same: a
 seed and the same seed followed by zeros are one stream for numpy."""
 

@@ -28,6 +28,7 @@ NAMES = {
     "gaussian_process": "Gaussian process",
     "boosting": "boosted trees",
     "networks": "ensemble of networks",
+    "stacked": "process and boosting stacked",
 }
 
 

@@ -26,12 +26,10 @@ from abradem.words.wear import WearTarget
 SOFTWARE_LICENCE = "MIT"
 
 INTENDED = (
-    "wear depth rates of a flat plate under a jet of spheres, as the engine simulates them",
     "comparison of materials, angles, speeds and sizes, and the choice of cases to simulate",
     "inverse questions: which wear constant, angle, speed or size gives a depth in some hours",
 )
 NOT_INTENDED = (
-    "another jet or plate than the one below: feed, patch, fall height and plate are fixed",
     "cases of which abradem predict warns: outside the ranges where it matters, or far from all "
     "training cases",
     "the service life of a machine without a measured wear constant: it is an input",
@@ -82,8 +80,17 @@ def model_card(
         "model": "surrogate",
         "study": surrogate["table"],
         "software": f"abradem {software}".strip(),
-        "intended_use": list(INTENDED),
-        "not_intended": list(NOT_INTENDED),
+        "intended_use": [
+            "wear depth rates of a flat plate under a jet of spheres, as "
+            + ("the engine simulates them" if ranges is not None else "in the table of the study"),
+            *INTENDED,
+        ],
+        "not_intended": [
+            "another jet or plate than "
+            + ("the one below" if known else "that of the table, whatever it is")
+            + ": feed, patch, fall height and plate are fixed",
+            *NOT_INTENDED,
+        ],
         "jet": {
             "known": known,
             "values": {

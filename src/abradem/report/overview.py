@@ -98,8 +98,8 @@ def answer(summary: Mapping, models: pd.DataFrame, noise: Mapping | None) -> str
     if best["model"] in ON_GROUPS and len(others) and is_number(others["r2"].iloc[0]):
         other = others.iloc[0]
         said += (
-            f"; the best of the paper's models, {MODELS[other['model']]}, scored on the same "
-            f"splits without leakage, {_explained(other['r2'])}"
+            f"; the best one on the features of the paper, {MODELS[other['model']]}, on the "
+            f"same splits without leakage, {_explained(other['r2'])}"
         )
     if noise is not None and is_number(noise["r2_floor"]):
         said += (

@@ -35,7 +35,8 @@ TABLES: dict[str, str] = {
     "extrapolation": "R² and mean absolute relative error on cases beyond the training ranges, "
     "compared with models trained on such cases, and the coverage of the 95 % intervals.",
     "sobol": "First-order and total Sobol indices of the wear and of its logarithm over the ranges "
-    "of the data set, from the Gaussian process, with bootstrap intervals.",
+    "of the data set, from the Gaussian process, with intervals from functions drawn from its "
+    "posterior.",
     "calibration": "Coverage of the prediction intervals on held-out cases by nominal level, with "
     "the binomial band and the median relative width.",
     "coverage": "Coverage of the prediction intervals on held-out cases by region of the ranges "

@@ -279,7 +279,7 @@ def result_tables(row: Mapping, result: SimulationResult) -> dict:
     return {
         "series": series,
         "maps": maps,
-        "parts": _parts(case_id, parts[..., None] if parts.ndim == 3 else parts),
+        "parts": _parts(case_id, parts.reshape((*parts.shape, 1)[:4])),
         "runs": _run_row(row, result.status, numbers, counts),
     }
 

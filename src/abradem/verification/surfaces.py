@@ -199,7 +199,7 @@ def corner_checks() -> list[Check]:
     checks += [
         Check("bounce off three walls at once: velocity, largest difference",
               np.abs(after + towards).max(), 0.0, ONE_STEP, "m/s", "absolute"),
-        Check("bounce off three walls at once: most contacts at once", most, 3, 0.0),
+        Check("bounce off three walls at once: most contacts at once", float(most), 3, 0.0),
     ]  # fmt: skip
     for slope in (30.0, 45.0, 60.0):
         rise = math.tan(math.radians(slope))

@@ -100,12 +100,13 @@ MODELS = {
     "boosting": "boosting",
     "networks": "network ensemble",
     "gaussian_process": "Gaussian process",
+    "stacked": "process + boosting",
     "surrogate": "surrogate (distilled)",
 }
 """Display names of the models of `abradem.learning`, by their names in the tables."""
 
-ON_GROUPS = ("power_law", "boosting", "networks", "gaussian_process", "surrogate")
-"""The models on dimensionless groups; the others are the paper's."""
+ON_GROUPS = ("power_law", "boosting", "networks", "gaussian_process", "stacked", "surrogate")
+"""The models on dimensionless groups; the others learn from the features of the paper."""
 
 
 def feature_label(name: str) -> str:

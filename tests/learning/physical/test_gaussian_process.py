@@ -43,7 +43,7 @@ def test_mean_and_deviation_are_those_of_scikit_learn():
         * Exponentiation(DotProduct(0.0, "fixed"), 2.0)
         + ConstantKernel(gp.CONSTANT, "fixed")
     )
-    noise = ours.noise**2 / ours.weights + error**2
+    noise = ours.noise**2 / ours.weights + error**2 + gp.LEAST_ERROR**2
     theirs = GaussianProcessRegressor(kernel, alpha=noise, optimizer=None)
     theirs.fit(z, target - target.mean())
     new = np.random.default_rng(1).uniform(-1.5, 1.5, (20, 3))
@@ -58,10 +58,10 @@ def test_leave_one_out_residuals_are_those_of_leaving_out():
     x, target, error = rows(25)
     process = GaussianProcess().fit(x, target, error)
     t = target - target.mean()
-    z = process._rows
+    z = process.rows
     matern, _ = gp._matern(z / process.lengths, z / process.lengths)
     covariance = process.smooth**2 * matern + process._trends(z @ z.T) + gp.CONSTANT
-    noisy = covariance + np.diag(process.noise**2 / process.weights + error**2)
+    noisy = covariance + np.diag(process.row_variance)
     for row in (0, 7, 24):
         kept = np.arange(len(t)) != row
         solved = np.linalg.solve(noisy[np.ix_(kept, kept)], t[kept])
@@ -135,6 +135,15 @@ def test_the_local_noise_of_a_process_is_that_of_the_rows():
     assert np.median(steep) > 2.5 * np.median(flat)
 
 
+def test_repeated_rows_without_errors_or_noise_do_no_harm():
+    rng = np.random.default_rng(4)
+    x = np.repeat(rng.uniform(-1.0, 1.0, (40, 3)), 3, axis=0)
+    target = np.sin(2.0 * x[:, 0])
+    for noise_terms in (None, lambda found: found[:, 1:]):
+        process = GaussianProcess(0, noise_terms).fit(x, target, np.zeros(120))
+        assert np.abs(process.predict(x) - target).max() < 0.01
+
+
 def test_a_second_order_law_is_learned_beyond_the_rows():
     rng = np.random.default_rng(0)
     x = rng.uniform(-1.0, 1.0, (80, 3))
@@ -150,8 +159,8 @@ def test_many_rows_are_thinned_and_blocks_change_nothing(monkeypatch):
     process = GaussianProcess().fit(x, target, error)
     assert len(process.weights) == 200
     assert np.abs(process.predict(x) - target).mean() < 0.03
-    joined = np.concatenate([k for k, _ in process._blocks(x, size=7)])
-    np.testing.assert_allclose(joined, next(process._blocks(x))[0], atol=1e-12)
+    joined = np.concatenate([k for k, _ in process.blocks(x, size=7)])
+    np.testing.assert_allclose(joined, next(process.blocks(x))[0], atol=1e-12)
 
 
 def test_the_same_seed_gives_the_same_process():

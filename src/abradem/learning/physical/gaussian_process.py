@@ -49,6 +49,10 @@ MOST_ROWS = 4000
 """Largest number of rows used for the prediction; of more rows a random subset is used, as memory
 grows with the square of their number."""
 
+LEAST_ERROR = 1e-3
+"""Error below which no wear rate is known; without it repeated rows without a stated error would
+make the covariance singular."""
+
 CONSTANT = 10.0
 """c^2, large enough that the mean of the target is practically free."""
 
@@ -87,6 +91,10 @@ class GaussianProcess:
     residuals, deviations : ndarray, shape (n,)
         Leave-one-out residuals of the rows used, and the standard deviations with which they
         would be predicted as new rows.
+    rows : ndarray, shape (n, p)
+        Standardised features of the rows used.
+    row_variance : ndarray, shape (n,)
+        Variance of the noise of each row, n_i^2 / w_i + e_i^2.
     typical_error : float
         Median of e_i, taken as the error of new rows.
     """
@@ -97,11 +105,12 @@ class GaussianProcess:
     def fit(self, x: np.ndarray, target: np.ndarray, error: np.ndarray) -> GaussianProcess:
         """Fit to features (n, p), target (n,) and its standard errors (n,)."""
         rng = np.random.default_rng(self.seed)
+        error = np.hypot(error, LEAST_ERROR)
         if len(target) > MOST_ROWS:
             kept = np.sort(rng.permutation(len(target))[:MOST_ROWS])
             x, target, error = x[kept], target[kept], error[kept]
         self._scaler = standard_scaler(x)
-        self._rows = self._scaler.forward(x)
+        self.rows = self._scaler.forward(x)
         found = self._noise_terms(x)
         self._of_noise = standard_scaler(found)
         terms = self._of_noise.forward(found)
@@ -123,7 +132,7 @@ class GaussianProcess:
 
     def predict(self, x: np.ndarray) -> np.ndarray:
         """Mean of the target for features (n, p), shape (n,)."""
-        return np.concatenate([self._mean + k @ self._alpha for k, _ in self._blocks(x)])
+        return np.concatenate([self._mean + k @ self._alpha for k, _ in self.blocks(x)])
 
     def predict_with_deviation(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Mean and standard deviation of new rows, each of shape (n,), for features (n, p).
@@ -134,19 +143,24 @@ class GaussianProcess:
         slopes = self._of_noise.forward(self._noise_terms(x)) @ self.noise_slopes
         noise = (self.noise * np.exp(slopes)) ** 2 + self.typical_error**2
         means, variances = [], []
-        for k, z in self._blocks(x):
+        for k, z in self.blocks(x):
             means.append(self._mean + k @ self._alpha)
             prior = self.smooth**2 + CONSTANT + self._trends(np.sum(z**2, axis=1))
             explained = np.sum((k @ self._inverse) * k, axis=1)
             variances.append(np.maximum(prior - explained, 0.0))
         return np.concatenate(means), np.sqrt(np.concatenate(variances) + noise)
 
+    def solve(self, values: np.ndarray) -> np.ndarray:
+        """K^-1 times values (n,) at the rows, K their covariance with the noise."""
+        return self._inverse @ values
+
     def arrays(self) -> dict[str, np.ndarray]:
         """All arrays needed for predictions, as stored in a file."""
         return {
             "feature_mean": self._scaler.mean,
             "feature_scale": self._scaler.scale,
-            "rows": self._rows,
+            "rows": self.rows,
+            "row_variance": self.row_variance,
             "alpha": self._alpha,
             "inverse": self._inverse,
             "lengths": self.lengths,
@@ -170,8 +184,8 @@ class GaussianProcess:
         self._scaler = Scaler(arrays["feature_mean"], arrays["feature_scale"])
         self._of_noise = Scaler(arrays["noise_mean"], arrays["noise_scale"])
         self.noise_slopes = arrays["noise_slopes"]
-        self._rows, self._alpha, self._inverse = (
-            arrays[name] for name in ("rows", "alpha", "inverse")
+        self.rows, self.row_variance, self._alpha, self._inverse = (
+            arrays[name] for name in ("rows", "row_variance", "alpha", "inverse")
         )
         self.lengths, self.weights, self.residuals, self.deviations = (
             arrays[name] for name in ("lengths", "weights", "residuals", "deviations")
@@ -181,7 +195,7 @@ class GaussianProcess:
         return self
 
     def _set(self, theta: np.ndarray, terms: np.ndarray) -> None:
-        p = self._rows.shape[1]
+        p = self.rows.shape[1]
         self.lengths = np.exp(theta[:p])
         self.smooth, self.noise, self.trend, self.curvature = map(float, np.exp(theta[p : p + 4]))
         self.noise_slopes = theta[p + 4 :]
@@ -191,22 +205,23 @@ class GaussianProcess:
         """Covariance of the trend for the scalar products z.z' of rows."""
         return self.trend**2 * product + 0.5 * self.curvature**2 * product**2
 
-    def _blocks(self, x: np.ndarray, size: int = 2048):
+    def blocks(self, x: np.ndarray, size: int = 2048):
         """Yield blocks of ``x``: their covariances with the rows, and the standardised block."""
         z = self._scaler.forward(x)
         for first in range(0, max(len(z), 1), size):
             block = z[first : first + size]
-            matern, _ = _matern(block / self.lengths, self._rows / self.lengths)
-            trends = self._trends(block @ self._rows.T)
+            matern, _ = _matern(block / self.lengths, self.rows / self.lengths)
+            trends = self._trends(block @ self.rows.T)
             yield self.smooth**2 * matern + trends + CONSTANT, block
 
     def _solve(self, t: np.ndarray, variance: np.ndarray) -> None:
         """Compute the coefficients alpha = K^-1 t and the leave-one-out residuals."""
-        z = self._rows
+        z = self.rows
         matern, _ = _matern(z / self.lengths, z / self.lengths)
         covariance = self.smooth**2 * matern + self._trends(z @ z.T) + CONSTANT
         noise = self._row_noise**2 / self.weights + variance
         covariance[np.diag_indices(len(t))] += noise
+        self.row_variance = noise
         self._inverse, _ = _inverse(covariance)
         self._alpha = self._inverse @ t
         precision = np.diag(self._inverse)
@@ -219,12 +234,12 @@ class GaussianProcess:
         """Maximum a posteriori parameters on the rows ``few``."""
         from scipy.optimize import minimize
 
-        z, p = self._rows[few], self._rows.shape[1]
+        z, p = self.rows[few], self.rows.shape[1]
         ends = [(-2.0, 7.0)] * p + [(-4.0, 3.0), (-6.0, 0.0), (-6.0, 2.0), (-6.0, 1.0)]
         found = minimize(
             _loss, theta, (z, t[few], 1.0 / self.weights[few], variance[few], terms[few]),
             jac=True, method="L-BFGS-B", options={"maxiter": iterations},
-            bounds=ends + [(-3.0, 3.0)] * terms.shape[1],
+            bounds=ends + [(-2.0, 2.0)] * terms.shape[1],
         )  # fmt: skip
         return found.x
 

@@ -92,7 +92,7 @@ class Conformal(NamedTuple):
         return conformal_quantile(self.scores, level) * self.scale.at(groups)
 
 
-def held_out(
+def hold_out_in_turn(
     given: WearProblem, rows: np.ndarray, fold_count: int = INNER_FOLDS, seed: int = 0
 ) -> HeldOut:
     """Cross-validate the process on some rows.
@@ -130,7 +130,7 @@ def conformal_of(given: WearProblem, rows: np.ndarray, held: HeldOut) -> Conform
     return Conformal(np.sort(scores), fit_scale(held.score, groups))
 
 
-class Calibration(NamedTuple):
+class IntervalCalibration(NamedTuple):
     """Coverage of the prediction intervals on held-out rows, and what later ones rest on.
 
     Attributes
@@ -158,7 +158,7 @@ class Calibration(NamedTuple):
     summary: dict
 
 
-def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> Calibration:
+def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> IntervalCalibration:
     """Coverage of the prediction intervals on held-out rows.
 
     Parameters
@@ -178,7 +178,7 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> Calibra
     quantile = np.empty((n, len(levels)))
     for number, (train, test) in enumerate(splits):
         _note(outer, given, fitted(make, given, train), number, everything, test)
-        found = conformal_of(given, train, held_out(given, train, seed=seed))
+        found = conformal_of(given, train, hold_out_in_turn(given, train, seed=seed))
         for place, level in enumerate(levels):
             quantile[test, place] = found.half(given.groups[test], level)
     half = {
@@ -234,7 +234,7 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> Calibra
         "tolerance": TOLERANCE,
         "regions": {"shares": len(regions), "in_band": int(regions["in_band"].sum())},
     }
-    return Calibration(calibration, regions, scores, summary)
+    return IntervalCalibration(calibration, regions, scores, summary)
 
 
 def band(tested: int, level: float) -> tuple[float, float]:

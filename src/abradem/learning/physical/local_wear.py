@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.learning.physical.distil import Settings, distil
-from abradem.learning.physical.intervals import INNER_FOLDS, conformal_of, held_out
+from abradem.learning.physical.intervals import INNER_FOLDS, conformal_of, hold_out_in_turn
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import WearProblem, problem
 from abradem.learning.scores import has_spread, score
@@ -114,7 +114,7 @@ def _one(
     """Description and arrays of one wear rate."""
     rows = np.arange(len(given.log_number))
     process = fitted(makers(seed)[PROCESS], given, rows)
-    held = held_out(given, rows, fold_count, seed)
+    held = hold_out_in_turn(given, rows, fold_count, seed)
     conformal = conformal_of(given, rows, held)
     arrays, error = distil(process, given, settings, seed, conformal.scale)
     actual = given.table.target

@@ -1,4 +1,4 @@
-"""Fit and evaluation of the four models on dimensionless groups, for every wear rate."""
+"""Fit and evaluation of the models on dimensionless groups, for every wear rate."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.noise_terms import terms
 from abradem.learning.physical.power_law import SHARES, PowerLaw
 from abradem.learning.physical.problem import WearProblem, problem
+from abradem.learning.physical.stacked import Stacked
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
 from abradem.learning.repeated_rows import repeats_among
 from abradem.learning.scores import central, middle_of, r2, scores_of
 from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, WEAR_COLUMNS
 from abradem.surrogate.groups import GROUP_NAMES, Jet
 
-POWER_LAW, PROCESS, BOOSTING, NETWORKS = MODELS = (
-    "power_law", "gaussian_process", "boosting", "networks",
+POWER_LAW, PROCESS, BOOSTING, NETWORKS, STACKED = MODELS = (
+    "power_law", "gaussian_process", "boosting", "networks", "stacked",
 )  # fmt: skip
 
 
@@ -33,12 +34,20 @@ BEST = PROCESS
 
 
 def makers(seed: int, boosting: dict | None = None, networks: dict | None = None) -> dict:
-    """Constructors of the four models, by name; ``boosting`` and ``networks`` are options."""
+    """Constructors of the models, by name; ``boosting`` and ``networks`` are options."""
+
+    def process():
+        return GaussianProcess(seed, terms)
+
+    def boosted():
+        return Boosting(**(boosting or {}), seed=seed)
+
     return {
         POWER_LAW: PowerLaw,
-        PROCESS: lambda: GaussianProcess(seed, terms),
-        BOOSTING: lambda: Boosting(**(boosting or {}), seed=seed),
+        PROCESS: process,
+        BOOSTING: boosted,
         NETWORKS: lambda: Networks(**(networks or {}), seed=seed),
+        STACKED: lambda: Stacked(process, boosted, seed),
     }
 
 

@@ -1,6 +1,6 @@
 """The regression problem of the physics-informed models.
 
-All four models predict the logarithm of the wear number from dimensionless groups
+All models predict the logarithm of the wear number from dimensionless groups
 (`abradem.surrogate.groups`) and multiply by the scale of the wear afterwards:
 
 ``power_law``
@@ -10,6 +10,8 @@ All four models predict the logarithm of the wear number from dimensionless grou
     surrogate. It was chosen beforehand, not by its score on the test rows.
 ``boosting``, ``networks``
     `abradem.learning.physical.ensembles`.
+``stacked``
+    Process and boosting, `abradem.learning.physical.stacked`.
 
 They are scored under the leakage-free protocol on the same splits as the other models.
 """

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset.variation import HELD_FIXED, of_kind
-from abradem.learning.physical.intervals import conformal_of, held_out
+from abradem.learning.physical.intervals import conformal_of, hold_out_in_turn
 from abradem.learning.physical.models import PROCESS, fitted
 from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import CURVE, folds, repeated_splits
@@ -138,7 +138,7 @@ def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) 
             coverage = np.nan
             if name == PROCESS and highest_level(len(train)) >= LEVEL:
                 _, deviation = model.predict_with_deviation(given.groups[held])
-                intervals = conformal_of(given, train, held_out(given, train, seed=seed))
+                intervals = conformal_of(given, train, hold_out_in_turn(given, train, seed=seed))
                 away = np.abs(given.log_number[held] - predicted) / deviation
                 coverage = float(np.mean(away <= intervals.half(given.groups[held], LEVEL)))
             seen = _cross_validated(given, make, held, seed)

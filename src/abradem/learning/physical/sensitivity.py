@@ -4,8 +4,9 @@
 first-order index is the share explained by a quantity alone, the total index includes its
 interactions (Sobol 2001, Math. Comput. Simul. 55:271; estimators of Saltelli et al. 2010, Comput.
 Phys. Commun. 181:259, as in `scipy.stats.sobol_indices`). They require independent inputs, so
-they are computed for the 14 sampled quantities and not for the 20 features. The indices are those
-of the model; their intervals cover the error of the integration only.
+they are computed for the 14 sampled quantities and not for the 20 features. Their intervals come
+from functions drawn from the posterior of the model, so they tell how sure the model is, the error
+of the integration included.
 
 *Permutation importance* is the fall of R2 on held-out rows when the values of a quantity are
 shuffled among them (Breiman 2001, Machine Learning 45:5).
@@ -19,18 +20,15 @@ varied together; see `abradem.dataset.variation`.
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import numpy as np
 import pandas as pd
 
 from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, VARIED, held_fixed, of_kind
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.models import PROCESS, fitted, makers
+from abradem.learning.physical.posterior_draws import FunctionDraw
 from abradem.learning.physical.problem import LARGEST_LOG, WearProblem
-from abradem.learning.protocols import SHUFFLES, repeated_splits
+from abradem.learning.protocols import DRAWS, SHUFFLES, repeated_splits
 from abradem.learning.rows import HUGE
 from abradem.learning.scores import mean_columns, r2
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
@@ -45,29 +43,20 @@ MOST_ROWS = 300
 """Largest number of cases over which a partial dependence is averaged."""
 
 
-def predicted_wear(process: GaussianProcess, given: WearProblem, inputs: np.ndarray) -> np.ndarray:
+def predicted_wear(
+    process: GaussianProcess | FunctionDraw, given: WearProblem, inputs: np.ndarray
+) -> np.ndarray:
     """Predicted wear depth rate (n,), mm/s, for sampled quantities (n, 14)."""
     values = dict(zip(SAMPLED_NAMES, inputs.T, strict=True))
     number = process.predict(group_matrix(values, given.jet))
     return wear_scale(values, given.jet) * np.exp(np.minimum(number, LARGEST_LOG))
 
 
-@contextmanager
-def _global_seed(seed: int) -> Iterator[None]:
-    """Seed numpy's global generator, which scipy's bootstrap uses, and restore it afterwards."""
-    before = np.random.get_state()  # noqa: NPY002
-    np.random.seed(seed % 2**32)  # noqa: NPY002
-    try:
-        yield
-    finally:
-        np.random.set_state(before)  # noqa: NPY002
-
-
 def sobol(
     process: GaussianProcess,
     given: WearProblem,
     points: int = 2048,
-    resamples: int = 200,
+    draws: int = 50,
     confidence: float = 0.95,
     seed: int = 0,
 ) -> pd.DataFrame:
@@ -81,8 +70,8 @@ def sobol(
         Its inputs give the ranges of the quantities.
     points : int
         Number of base points, a power of two; the model is evaluated at up to 16 times as many.
-    resamples : int
-        Number of bootstrap resamples for the intervals.
+    draws : int
+        Number of functions drawn from the posterior of the process for the intervals.
     confidence : float
     seed : int
 
@@ -94,9 +83,50 @@ def sobol(
         and there are none at all if the predicted wear does not vary. Those of quantities that
         are not identified follow from the model alone.
     """
-    low, high = given.inputs.min(axis=0), given.inputs.max(axis=0)
+    indices = _indices(process, given, points, np.random.default_rng(seed))
+    drawn = []
+    for number in range(draws):
+        rng = np.random.default_rng([seed, number, DRAWS])
+        drawn.append(_indices(FunctionDraw(process, rng), given, points, rng))
+    ends = [np.full(indices.shape, end) for end in (np.inf, -np.inf)]
+    if draws:
+        tail = 50.0 * (1.0 - confidence)
+        ends = list(np.percentile(drawn, [tail, 100.0 - tail], axis=0))
     says = given.variation
-    varies = np.flatnonzero(says != HELD_FIXED)
+    rows = []
+    for place, explained in enumerate(("wear", "log wear")):
+        for k, name in enumerate(SAMPLED_NAMES):
+            numbers: list[float] = []
+            for order in range(2):
+                index = float(indices[order, place, k])
+                # The index of the mean function need not be one of the drawn ones.
+                numbers += [
+                    index,
+                    min(index, float(ends[0][order, place, k])),
+                    max(index, float(ends[1][order, place, k])),
+                ]
+            rows.append((explained, name, *numbers, says[k]))
+    columns = [
+        "explained", "feature", "first", "first_lower", "first_upper", "total", "total_lower",
+        "total_upper", "variation",
+    ]  # fmt: skip
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _indices(
+    model: GaussianProcess | FunctionDraw,
+    given: WearProblem,
+    points: int,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Sobol indices of a model, shape (2, 2, 14): first and total; wear and log wear; quantity.
+
+    They are nan for quantities held fixed, and where the wear has no variance.
+    """
+    from scipy import stats
+
+    low, high = given.inputs.min(axis=0), given.inputs.max(axis=0)
+    varies = np.flatnonzero(given.variation != HELD_FIXED)
     largest = float(given.table.target.max())
     # Squares of huge wear overflow; the indices do not depend on its unit.
     unit = largest if largest > HUGE else 1.0
@@ -105,48 +135,23 @@ def sobol(
     def function(x: np.ndarray) -> np.ndarray:
         inputs = np.tile(low, (x.shape[1], 1))
         inputs[:, varies] = x.T
-        wear = predicted_wear(process, given, inputs) / unit
+        wear = predicted_wear(model, given, inputs) / unit
         found = np.stack([wear, np.log(wear)])
         spread_of.append(~held_fixed(found.T, np.array([0.0, 1.0])))
         return found
 
     with np.errstate(divide="ignore", invalid="ignore"):
         # Without variance the indices are undefined.
-        found = _sobol_indices(function, points, low, high, varies, seed)
-    defined = np.any(spread_of, axis=0)
-    with warnings.catch_warnings(), _global_seed(seed):
-        # The bootstrap warns about quantities without effect, whose indices do not vary.
-        warnings.simplefilter("ignore")
-        spread = found.bootstrap(confidence_level=confidence, n_resamples=resamples)
-    rows = []
-    for place, explained in enumerate(("wear", "log wear")):
-        numbers = np.full((len(SAMPLED_NAMES), 6), np.nan)
-        for column, (index, interval) in enumerate(
-            ((found.first_order, spread.first_order), (found.total_order, spread.total_order))
-        ):
-            if not defined[place]:
-                continue
-            ends = interval.confidence_interval
-            for shift, values in enumerate((index, ends.low, ends.high)):
-                found_here = np.where(np.isfinite(values[place]), values[place], index[place])
-                numbers[varies, 3 * column + shift] = found_here
-        rows += [(explained, name, *numbers[k], says[k]) for k, name in enumerate(SAMPLED_NAMES)]
-    columns = [
-        "explained", "feature", "first", "first_lower", "first_upper", "total", "total_lower",
-        "total_upper", "variation",
-    ]  # fmt: skip
-    return pd.DataFrame(rows, columns=columns)
-
-
-def _sobol_indices(function, points: int, low, high, varies, seed: int):
-    from scipy import stats
-
-    return stats.sobol_indices(
-        func=function,
-        n=points,
-        dists=[stats.uniform(low[k], high[k] - low[k]) for k in varies],
-        rng=np.random.default_rng(seed),
-    )
+        found = stats.sobol_indices(
+            func=function,
+            n=points,
+            dists=[stats.uniform(low[k], high[k] - low[k]) for k in varies],
+            rng=rng,
+        )
+    indices = np.full((2, 2, len(SAMPLED_NAMES)), np.nan)
+    indices[:, :, varies] = np.stack([found.first_order, found.total_order])
+    indices[:, ~np.any(spread_of, axis=0)] = np.nan
+    return indices
 
 
 def permutation(

@@ -21,6 +21,7 @@
     return made;
   };
   const short = (number, digits = 4) => {
+    if (Number.isNaN(number)) return "none";
     if (!Number.isFinite(number)) return "any number of";
     const rounded = Number(Number(number).toPrecision(digits));
     const size = Math.abs(rounded);
@@ -215,8 +216,8 @@
       },
     ], {
       font: FONT, margin: { l: 58, r: 10, t: 8, b: 48 },
-      xaxis: { title: { text: "x, up the slope (mm)" }, constrain: "domain", fixedrange: true },
-      yaxis: { title: { text: "z across (mm)" }, scaleanchor: "x", constrain: "domain", fixedrange: true },
+      xaxis: { title: { text: "Up the slope (mm)" }, constrain: "domain", fixedrange: true },
+      yaxis: { title: { text: "Across (mm)" }, scaleanchor: "x", constrain: "domain", fixedrange: true },
     }, SETTINGS);
     const average = rates.reduce((a, b) => a + b, 0) / rates.length;
     const place = `x = ${short(x[Math.floor(worst / nz)], 3)} mm`;
