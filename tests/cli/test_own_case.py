@@ -13,8 +13,9 @@ from straight_engine import RATE, straight_line
 
 import abradem
 import abradem.dem
+from abradem.cli.case_input import read_setup
 from abradem.cli.given_values import given_values, swept_values
-from abradem.cli.main import main
+from abradem.cli.main import _parser, main
 from abradem.config import load_config, setup_dict
 from abradem.config.materials import preset
 from abradem.dataset.user_table import find_columns, read_user_table
@@ -303,12 +304,45 @@ def test_all_that_is_wrong_is_told_at_once_and_nothing_is_simulated(capsys, aske
         (["--set", "target=1"],
          "--set target=1: may mean learning.target or calibration.target; "),
         (["--config", "none.yaml"], "none.yaml: there is no such file"),
+        (["--set", "mass_rate_kg_s=1", "--map", "x.vtp"],
+         "--map x.vtp: the plate is shown by snakemake vtk (allowed with a geometry)"),
+        (["--set", "geometry.kind=arc", "--model", "m"],
+         "--model m: a surrogate predicts the plate alone (allowed without a geometry)"),
     ],
 )  # fmt: skip
 def test_one_line_says_what_is_wrong(capsys, asked, arguments, line):
     code, out, err = run(capsys, "simulate", *arguments)
     assert code == 2 and out == [] and asked == []
     assert len(err) == 1 and err[0].startswith(line)
+
+
+def test_a_scene_is_for_a_geometry_from_whichever_option_it_comes(capsys, asked):
+    Path("arc.yaml").write_text("study: arc\nsimulation: {geometry: {kind: arc}}\n", "utf-8")
+    for geometry in (["--config", "arc.yaml"], ["--set", "geometry.kind=arc"]):
+        code, _, err = run(capsys, "simulate", *geometry, "--map", "x.vtp", "--seed", "-1")
+        assert code == 2 and len(err) == 1 and err[0].startswith("--seed -1")
+    assert asked == []
+
+
+def test_a_geometry_with_ranges_is_in_their_middle(capsys, asked):
+    Path("g.yaml").write_text(
+        "study: g\nsimulation: {geometry: {kind: arc, arc: {radius_mm: [400, 600], end: 20}}}\n",
+        "utf-8",
+    )
+    problems = []
+    options = _parser().parse_args(["simulate", "--config", "g.yaml"])
+    shape = read_setup(options, problems).setup["geometry"]["shape"]
+    assert problems == [] and shape["radius"] == 0.5 and shape["end"] == 20.0
+
+
+def test_a_check_of_a_configuration_reads_its_mesh(capsys, here):
+    Path("g.yaml").write_text(
+        "study: g\nsimulation: {geometry: {kind: mesh, mesh: {file: none.stl}}}\n", "utf-8"
+    )
+    code, out, err = run(capsys, "config", "--check", "g.yaml")
+    assert (code, out) == (2, []) and err == [
+        "no case can be simulated: none.stl: there is no such file (allowed: a mesh file)"
+    ]
 
 
 # The kernels
@@ -522,6 +556,10 @@ def test_all_that_is_wrong_with_a_sweep_is_told_at_once(capsys, asked):
          "the sweep has 42671 cases (allowed 20000)"),
         (["plate_angle=0,3", "--surrogate", "--seed", "1"],
          "--seed is for simulations, without --surrogate"),
+        (["plate_angle=0,3", "--surrogate", "--set", "geometry.kind=arc"],
+         "--surrogate predicts the plate alone (allowed without a geometry)"),
+        (["plate_angle=0,3", "--geometry", "none.stl", "--output", "s.csv"],
+         "no case can be simulated: none.stl: there is no such file"),
         (["plate_angle=0,3", "--surrogate"],
          "results/default/models/surrogate.json: there is no such file"),
     ],

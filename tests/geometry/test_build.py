@@ -183,3 +183,9 @@ def test_plates_and_arcs_are_laid_out_with_their_areas():
 def test_an_arc_of_one_angle_is_refused():
     with pytest.raises(GeometryError, match=r"two angles that differ \(both are 20 deg\)"):
         arc_chute(0.4, 20.0, 20.0, 0.3, 0.01)
+
+
+def test_a_file_name_alone_is_no_geometry():
+    values = {"plate_angle": 0.0, "particle_radius": 0.01, "particle_velocity_y": -1.0}
+    with pytest.raises(GeometryError, match=r"geometry = 'chute.stl' \(allowed: a mapping such as"):
+        prepared(Setup(geometry="chute.stl"), values)

@@ -193,6 +193,18 @@ def test_tables_hold_what_the_simulation_returned(engine, tmp_path):
     assert len(parts) == np.count_nonzero(expected.facet_wear_parts[:, 0])
 
 
+def test_a_surface_without_a_complete_window_has_no_parts():
+    """A simulation that is shorter than the window; the cells of a surface are one axis."""
+    cases = table_of_cases()
+    result = result_of(batch.Case.from_row(cases.iloc[0]), Setup.from_dict(SETUP))
+    result = dataclasses.replace(
+        result, facet_wear=np.zeros((3, 8)), facet_wear_parts=np.empty((0, 3, 8))
+    )
+    tables = batch.result_tables(cases.iloc[0], result)
+    assert len(tables["parts"]) == 0 and len(tables["maps"]) == 8
+    assert tables["runs"]["window_parts"].tolist() == [0]
+
+
 # Interruptions
 
 

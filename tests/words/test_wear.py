@@ -47,17 +47,29 @@ def test_every_wear_rate_is_the_target_of_the_table_of_quantities():
 @pytest.mark.parametrize(
     ("values", "expected"),
     [
-        ({}, ("wear_friction_p99", 0.03, True)),
+        ({}, ("wear_friction_p99", 0.03, True, False)),
         ({"learning": {"target": "wear_total_mean"}, "wear_rate": {"element_size_mm": None}},
-         ("wear_total_mean", 0.01, True)),
+         ("wear_total_mean", 0.01, True, False)),
         ({"learning": {"target": "wear_friction_p99"}, "wear_rate": {"element_size_mm": 30}},
-         ("wear_friction_p99", 0.03, True)),
+         ("wear_friction_p99", 0.03, True, False)),
         ({"learning": {"target": "wear_total_max"}, "dataset": {"external": "t.csv"}},
-         ("wear_total_max", None, False)),
+         ("wear_total_max", None, False, False)),
         ({"learning": {"target": "wear_total_max"},
           "dataset": {"external": "t.csv", "rate": "stated"}},
-         ("wear_total_max", None, True)),
+         ("wear_total_max", None, True, False)),
+        ({"simulation": {"geometry": {"kind": "arc"}}},
+         ("wear_friction_p99", None, True, True)),
     ],
 )  # fmt: skip
 def test_the_target_of_a_configuration(values, expected):
     assert WearTarget(**target_dict(Config(study="x", **values))) == expected
+
+
+def test_the_rates_of_a_geometry_are_those_of_its_cells():
+    places = {
+        statistic: WearTarget(f"wear_friction_{statistic}", cells=True).place
+        for statistic in STATISTICS
+    }
+    assert len(set(places.values())) == len(STATISTICS)
+    assert places["p99"] == "99th percentile of the cells"
+    assert not any("plate" in words or "element" in words for words in places.values())

@@ -94,6 +94,7 @@ def add_case_arguments(parser: argparse.ArgumentParser) -> None:
 def read_setup(options: argparse.Namespace, problems: list[str]) -> OwnSetup | None:
     """Return the set-up that the options describe, or None; problems are added, a line each."""
     from abradem.config import ConfigError, load_config, read_config, setup_dict
+    from abradem.config.geometry import geometry_ranges
 
     duration = _duration(options.duration, problems)
     if options.seed is not None and not 0 <= options.seed <= LARGEST_SEED:
@@ -116,9 +117,36 @@ def read_setup(options: argparse.Namespace, problems: list[str]) -> OwnSetup | N
     setup = setup_dict(config)
     if duration is not None:
         setup["duration"] = duration
+    if setup.get("geometry"):
+        middle = {name: (low + high) / 2.0 for name, (low, high) in geometry_ranges(config).items()}
+        setup["geometry"] = _settled(setup["geometry"], middle)
     names = " ".join(str(path) for path in files)
     origin = names or "the default study"
     return OwnSetup(config, origin, setup, config.seed if options.seed is None else options.seed)
+
+
+def _settled(value, middle: Mapping[str, float]):
+    """Return a geometry with the middle of the range for each number that a study samples."""
+    if isinstance(value, Mapping):
+        return {name: _settled(one, middle) for name, one in value.items()}
+    if isinstance(value, list):
+        return [_settled(one, middle) for one in value]
+    return middle.get(value, value) if isinstance(value, str) else value
+
+
+def check_mesh(setup: Mapping) -> None:
+    """Raise if the mesh of all cases cannot be used, before one is simulated."""
+    from abradem.geometry.build import mesh_file
+    from abradem.geometry.kinds import geometry_of
+    from abradem.geometry.shape import GeometryError
+
+    given = setup.get("geometry")
+    if given is None or mesh_file(given) is None:
+        return
+    try:
+        geometry_of(given["shape"]).shape(setup["facet_size"])
+    except GeometryError as error:
+        raise InputError(f"no case can be simulated: {error}") from None
 
 
 def _duration(text: str | None, problems: list[str]) -> float | None:

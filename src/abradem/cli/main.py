@@ -117,11 +117,13 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _check_config(options: argparse.Namespace) -> int:
-    from abradem.config import read_config
+    from abradem.cli.case_input import check_mesh
+    from abradem.config import read_config, setup_dict
     from abradem.running.effort import estimate
 
     files = options.check or options.folder
     config = read_config(*files)
+    check_mesh(setup_dict(config))
     if config.calibration.table is not None:
         from abradem.running.given_tables import calibration_inputs
 

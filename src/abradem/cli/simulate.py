@@ -133,16 +133,23 @@ def _output_problems(options: argparse.Namespace) -> list[str]:
         allowed = (*TABLE_SUFFIXES, *PICTURE_SUFFIXES, *(SCENE_SUFFIXES if name == "map" else ()))
         if path.suffix.lower() not in allowed:
             problems.append(f"--{name} {path}: must end with one of {', '.join(allowed)}")
-        elif path.suffix.lower() in SCENE_SUFFIXES and options.geometry is None and not options.set:
-            problems.append(
-                f"--map {path}: the plate is shown by snakemake vtk (allowed with a geometry)"
-            )
         elif path.is_dir():
             problems.append(f"--{name} {path}: is a folder; name a file")
     folders = [path.parent for _, path in named]
     folders += [options.snapshots] if options.snapshots else []
     problems += dict.fromkeys(why for folder in folders if (why := why_not_written(folder)))
     return problems
+
+
+def _scene_problems(options: argparse.Namespace, setup: dict) -> list[str]:
+    """Return a line for each file for ParaView that is asked for without a geometry."""
+    if setup.get("geometry"):
+        return []
+    return [
+        f"--map {path}: the plate is shown by snakemake vtk (allowed with a geometry)"
+        for path in options.map
+        if path.suffix.lower() in SCENE_SUFFIXES
+    ]
 
 
 def _own_case(options: argparse.Namespace, problems: list[str]) -> int:
@@ -154,6 +161,7 @@ def _own_case(options: argparse.Namespace, problems: list[str]) -> int:
         problems += str(error).splitlines()
     own = read_setup(options, problems)
     problems += impossible_values(given.values)
+    problems += _scene_problems(options, own.setup) if own is not None else []
     if problems or own is None:
         raise InputError("\n".join(problems))
 
@@ -185,8 +193,11 @@ def _case_of_study(options: argparse.Namespace) -> int:
     from abradem.config import read_config, setup_dict
 
     config = read_config(_undamaged(_existing(options.study) / "config.yaml"))
+    setup = setup_dict(config)
+    if problems := _scene_problems(options, setup):
+        raise InputError("\n".join(problems))
     row = find_case(options.study, options.case)
-    rates = _simulated(row, setup_dict(config), config, options, f"case {options.case}: ")
+    rates = _simulated(row, setup, config, options, f"case {options.case}: ")
     return NOT_OK if rates is None else 0
 
 
@@ -227,8 +238,9 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
         **rate_options(config),
     ).iloc[0]
     if not math.isfinite(run["steady_from"]):
+        worn = "surface" if setup.get("geometry") else "plate"
         print(
-            f"no wear rate: the plate did not wear steadily for the window of "
+            f"no wear rate: the {worn} did not wear steadily for the window of "
             f"{setup['window']:g} s; simulate longer, or shorten simulation.stop.window_s",
             file=sys.stderr,
         )
@@ -278,8 +290,6 @@ def _write_outputs(tables: dict, row: dict, setup: dict, config, options) -> Non
             print(f"--map {path}: not written, no complete window", file=sys.stderr)
         elif setup.get("geometry"):
             write_surface_map(tables, row, setup, target, path)
-        elif path.suffix.lower() in SCENE_SUFFIXES:
-            print(f"--map {path}: not written, is for a geometry", file=sys.stderr)
         else:
             write_map(tables, row, setup, target, path, numbered)
     if options.snapshots and not row["rejected"]:

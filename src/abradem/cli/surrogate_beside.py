@@ -9,7 +9,7 @@ from abradem.cli.case_input import OwnSetup, headline
 from abradem.cli.predict_words import rate_text, warn
 from abradem.quantities import WEAR_COLUMNS, stderr_column
 from abradem.surrogate.groups import jet_of
-from abradem.surrogate.model import Surrogate
+from abradem.surrogate.model import PredictionError, Surrogate
 
 
 class SurrogateBeside:
@@ -54,11 +54,20 @@ class SurrogateBeside:
 def surrogate_beside(model: str | None, own: OwnSetup) -> SurrogateBeside | None:
     """Return the surrogate that is given, or that of the study if it exists, or None.
 
+    A geometry has none: a surrogate knows the plate alone.
+
     Raises
     ------
     PredictionError
-        If a surrogate cannot be read.
+        If a surrogate cannot be read, or is given for a geometry.
     """
+    if own.setup.get("geometry"):
+        if model is not None:
+            raise PredictionError(
+                f"--model {model}: a surrogate predicts the plate alone (allowed without a "
+                "geometry)"
+            )
+        return None
     stem = model or f"results/{own.config.study}/models/surrogate"
     if model is None and not Path(f"{stem}.json").is_file():
         return None

@@ -12,6 +12,7 @@ from abradem.cli.arguments import InputError
 from abradem.cli.case_input import (
     OwnSetup,
     add_case_arguments,
+    check_mesh,
     headline,
     load_kernels,
     middle_of_ranges,
@@ -94,6 +95,8 @@ def run_sweep(options: argparse.Namespace) -> int:
     own = read_setup(options, problems)
     problems += impossible_values({**swept.fixed.values, **swept.lists})
     problems += _figure_problems(options, swept)
+    if options.surrogate and own is not None and own.setup.get("geometry"):
+        problems.append("--surrogate predicts the plate alone (allowed without a geometry)")
     if problems or own is None:
         raise InputError("\n".join(problems))
 
@@ -105,6 +108,7 @@ def run_sweep(options: argparse.Namespace) -> int:
         cases = combinations(values)
     except ValueError as error:
         raise InputError(str(error)) from None
+    check_mesh(own.setup)
     if options.surrogate:
         return _predict(cases, swept, own, filled, level, options)
     return _simulate(cases, swept, own, filled, options)

@@ -59,11 +59,13 @@ def target_dict(config: Config) -> dict:
     size = config.wear_rate.element_size_mm
     if size is None:
         size = config.simulation.plate.facet_size_mm
-    simulated = config.dataset.external is None and config.simulation.geometry.kind == "plate"
+    simulated = config.dataset.external is None
+    cells = simulated and config.simulation.geometry.kind != "plate"
     return {
         "name": config.learning.target,
-        "element_size": size / 1000.0 if simulated else None,
+        "element_size": size / 1000.0 if simulated and not cells else None,
         "known": simulated or config.dataset.rate == STATED,
+        "cells": cells,
     }
 
 

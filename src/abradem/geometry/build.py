@@ -111,6 +111,11 @@ def prepared(setup: Setup, values: Mapping[str, float]) -> Setup:
     geometry = described
     if isinstance(described, Mapping):
         geometry = geometry_of(filled_in(described, values))
+    elif not isinstance(described, Geometry):
+        raise GeometryError(
+            f'geometry = {described!r} (allowed: a mapping such as {{"kind": "mesh", "file": '
+            '"chute.stl"})'
+        )
     coarse = geometry.shape(setup.facet_size)
     check_particle(coarse, values["particle_radius"])
     feed = feed_above(

@@ -286,8 +286,8 @@ class Surrogate:
             raise PredictionError(f"confidence = {confidence!r} must lie between 0 and 1{hint}")
         if confidence > highest_level(model.score_count):
             raise PredictionError(
-                f"confidence = {confidence!r}: the intervals rest on {model.score_count} held-out "
-                f"errors, which promise at most {highest_level(model.score_count):.4g}"
+                f"confidence = {confidence:.12g}: the intervals rest on {model.score_count} "
+                f"held-out errors, which promise at most {highest_level(model.score_count):.4g}"
             )
         return conformal_quantile(model.scores, confidence)
 

@@ -22,6 +22,15 @@ _OF_ELEMENTS = {
 }
 """Descriptions of the statistics over elements of a known size."""
 
+_OF_CELLS = {
+    "mean": "mean over the surface",
+    "worn": "mean over the worn cells",
+    "footprint": "mean over the footprint",
+    "p99": "99th percentile of the cells",
+    "max": "worst cell",
+}
+"""Descriptions of the statistics over the cells of a geometry."""
+
 
 class WearTarget(NamedTuple):
     """A column of wear rates, such as the target of a study.
@@ -35,11 +44,14 @@ class WearTarget(NamedTuple):
     known : bool
         Whether the name says what the rate is. The rate of a table from elsewhere stands under one
         of the names, without its measure or its statistic being known.
+    cells : bool
+        Whether the statistics are over the cells of a geometry, which has no elements.
     """
 
     name: str
     element_size: float | None = None
     known: bool = True
+    cells: bool = False
 
     @property
     def measure(self) -> str:
@@ -61,6 +73,8 @@ class WearTarget(NamedTuple):
         """Of what place of the plate the rate is, such as "99th percentile of 30 mm elements"."""
         if not self.known:
             return OF_THE_TABLE
+        if self.cells:
+            return _OF_CELLS[self.statistic]
         if self.element_size is None or not self.has_elements:
             return STATISTIC_WORDS[self.statistic]
         return _OF_ELEMENTS[self.statistic].format(size=f"{1e3 * self.element_size:g} mm")
