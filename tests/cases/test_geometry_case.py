@@ -40,7 +40,7 @@ def result():
     return abradem.simulate(CASE, abradem.Setup(geometry=ONE_PLATE, **OPTIONS))
 
 
-def test_a_chain_of_one_plate_wears_as_the_plate():
+def test_a_chain_of_one_plate_wears_as_the_plate(result):
     """The same particles fall on the same rectangle; only the cells differ."""
     plate = abradem.simulate(CASE, abradem.Setup(**OPTIONS))
     assert result.released == plate.released
