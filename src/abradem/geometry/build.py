@@ -10,7 +10,7 @@ import numpy as np
 
 from abradem.dem.model import Setup
 from abradem.dem.surface import Surface, cell_areas
-from abradem.geometry.feed import check_jet, feed_above
+from abradem.geometry.feed import check_box, check_jet, feed_above
 from abradem.geometry.kinds import Geometry, Motion, geometry_of
 from abradem.geometry.shape import GeometryError, Shape, divided
 
@@ -129,6 +129,8 @@ def prepared(setup: Setup, values: Mapping[str, float]) -> Setup:
     )
     check_jet(coarse, feed, abs(values["particle_velocity_y"]), setup.gravity)
     box = options.get("removal_box")
+    if box is not None:
+        check_box(feed, box)
     return replace(
         setup,
         surface=surface_of(geometry, setup.facet_size),

@@ -82,6 +82,41 @@ def feed_above(
     return Feed(centre, (length, 0.0, 0.0), (0.0, 0.0, width), direction)
 
 
+def check_box(feed: Feed, box: tuple) -> None:
+    """Raise if the factory is not inside the box outside which particles are removed.
+
+    Parameters
+    ----------
+    feed : Feed
+    box : tuple of tuple of float
+        Lowest and highest corner, m.
+
+    Raises
+    ------
+    GeometryError
+        With the corner of the patch that is outside.
+    """
+    low, high = (np.array(corner, dtype=float) for corner in box)
+    for one, other in itertools.product((-0.5, 0.5), repeat=2):
+        corner = np.array(feed.centre) + one * np.array(feed.along) + other * np.array(feed.across)
+        if np.any(corner < low) or np.any(corner > high):
+            place = ", ".join(f"{number:.4g}" for number in corner)
+            raise GeometryError(
+                f"the corner ({place}) m of the factory is outside the removal box, so its "
+                "particles would be removed at once (allowed: a box that holds the factory)"
+            )
+
+
+def patch_words(feed: Feed) -> str:
+    """Extent and place of the factory, mm, as text."""
+    length, width = (1000.0 * float(np.linalg.norm(edge)) for edge in (feed.along, feed.across))
+    x, y, z = (1000.0 * number for number in feed.centre)
+    return (
+        f"factory of {length:.4g} x {width:.4g} mm, centre at x = {x:.4g}, y = {y:.4g}, "
+        f"z = {z:.4g} mm"
+    )
+
+
 def check_jet(shape: Shape, feed: Feed, speed: float, gravity: float) -> None:
     """Raise if no particle of the factory would meet the shape.
 
