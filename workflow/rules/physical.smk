@@ -248,7 +248,7 @@ if SIMULATED:
     rule wear_maps:
         """The map surrogate, for `abradem predict --map` and the explorer, and its scores."""
         input:
-            dataset=rules.dataset.output[0],
+            dataset=f"{RESULTS}/dataset.parquet",
             # As paths: Snakemake would hash a named list of outputs once for each of its files.
             maps=batch_paths(f"{RESULTS}/maps/block-{{block}}-batch-{{batch}}.parquet"),
             runs=RUNS,
