@@ -82,7 +82,7 @@ def scene_data(
     """
     setup = prepared(setup, case)
     surface, feed = setup.surface, setup.feed
-    if surface is None:
+    if surface is None or feed is None:
         vertices, quads = plate_facets(case["plate_angle"], setup)
         triangles = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
         times, depth = depth_frames(wear, case, setup, measure)

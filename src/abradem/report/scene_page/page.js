@@ -162,7 +162,7 @@
   });
   // On a narrow screen from further away, so that the axes are seen.
   function eye() {
-    const away = at("view").clientWidth < 600 ? 1.3 : 1.12;
+    const away = at("view").clientWidth < 600 ? 1.3 : 1.25;
     return Object.fromEntries(Object.entries(VIEWS[state.view]).map(([name, one]) => [name, one * away]));
   }
   function layout() {
