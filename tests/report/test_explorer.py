@@ -5,18 +5,18 @@ The browser is Debian's chromium with its driver (``apt-get install chromium-dri
 
 import itertools
 import json
-import shutil
-import time
 
 import numpy as np
 import pandas as pd
 import pytest
+from browser import ROOMS, log, opened, settle, show
 from tables import product_law
 
 from abradem.learning.physical.problem import problem
 from abradem.learning.physical.wear_maps import PlateSides, wear_maps
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
-from abradem.report.explorer import SECTIONS, explorer_data, explorer_page, stored
+from abradem.report.explorer import SECTIONS, explorer_data, explorer_page
+from abradem.report.page_data import stored
 from abradem.surrogate.domain import Domain
 from abradem.surrogate.groups import GROUP_NAMES, Jet, group_matrix
 from abradem.surrogate.maps import MapSurrogate
@@ -27,10 +27,6 @@ PRESETS = {"granite": {"particle_density": 2650.0, "restitution": 0.5}}
 TARGET = "wear_friction_p99"
 LOCAL = {"wear_friction_mean": None, "wear_friction_max": TARGET}
 """Other places of the plate, and the place that each cannot be below."""
-PATIENCE = 600
-"""Longest time, s, to wait for the browser."""
-
-ROOMS = {"desktop": (1366, 768), "phone": (390, 844)}
 
 
 def random_surrogate(fixed=()):
@@ -107,59 +103,8 @@ def page(dataset, maps, tmp_path_factory):
 @pytest.fixture(scope="module")
 def browser(page):
     """A browser that shows the page, with its log of requests."""
-    driver_path = shutil.which("chromedriver")
-    if driver_path is None:
-        pytest.skip("no chromedriver is installed")
-    from selenium import webdriver
-    from selenium.webdriver.chrome.remote_connection import ChromeRemoteConnection
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.remote.client_config import ClientConfig
-
-    options = webdriver.ChromeOptions()
-    for word in (
-        "headless=new", "no-sandbox", "disable-gpu", "disable-quic", "no-first-run",
-        "disable-background-networking", "disable-component-update", "disable-sync",
-        "disable-dev-shm-usage",
-    ):  # fmt: skip
-        options.add_argument(f"--{word}")
-    options.binary_location = shutil.which("chromium") or ""
-    options.timeouts = {"script": 1000 * PATIENCE}
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    service = Service(driver_path)
-    service.start()
-    driver = None
-    try:
-        # A busy machine may need minutes to start a browser.
-        url = service.service_url
-        client = ClientConfig(remote_server_addr=url, timeout=PATIENCE)
-        connection = ChromeRemoteConnection(remote_server_addr=url, client_config=client)
-        driver = webdriver.Remote(command_executor=connection, options=options)
-        driver.set_page_load_timeout(PATIENCE)
-        show(driver, "desktop")
-        driver.get(page.as_uri())
-        settle(driver)
+    with opened(page) as driver:
         yield driver
-    finally:
-        if driver is not None:
-            driver.quit()
-        service.stop()
-
-
-def show(driver, room):
-    """Give the page the size of a screen."""
-    width, height = ROOMS[room]
-    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": room == "phone"}
-    command = {"cmd": "Emulation.setDeviceMetricsOverride", "params": screen}
-    driver.execute("executeCdpCommand", command)
-
-
-def settle(driver):
-    """Wait until all that was changed is drawn."""
-    for _ in range(10 * PATIENCE):
-        if driver.execute_script("return document.body.dataset.state") == "drawn":
-            return
-        time.sleep(0.1)
-    raise AssertionError("the page does not draw what was changed")
 
 
 def type_value(driver, name, text):
@@ -169,10 +114,6 @@ def type_value(driver, name, text):
     field.send_keys(Keys.CONTROL, "a")
     field.send_keys(text, Keys.ENTER)
     return field
-
-
-def log(driver, kind):
-    return driver.execute("getLog", {"type": kind})["value"]
 
 
 def numbers(driver):

@@ -53,7 +53,7 @@ OF_LEARNING = {
 }  # fmt: skip
 OF_SIMULATIONS = each("figure_series", "figure_maps", "figure_gallery")
 OF_CHARTS = each("figure_generation", "figure_rules")
-SCENES = each("scene", "angles", "figure_setup", "figure_angles")
+SCENES = each("scene", "scene_page", "angles", "figure_setup", "figure_angles")
 FIGURES = {
     **OF_SIMULATIONS, **OF_CHARTS, **each("figure_quality", "figure_setup", "figure_angles"),
     **OF_LEARNING,
@@ -351,6 +351,7 @@ SOURCES = "src/abradem"
         (f"{SOURCES}/report/model_card.py", each("model_card")),
         (f"{SOURCES}/report/summary.py", each("summary", "latex", "overview")),
         (f"{SOURCES}/report/explorer.py", each("explorer")),
+        (f"{SOURCES}/report/scene.py", each("scene_page")),
         (f"{SOURCES}/learning/physical/wear_maps.py", each("wear_maps", "explorer")),
         # Models.
         (f"{SOURCES}/learning/baselines/linear.py", {
@@ -366,12 +367,13 @@ SOURCES = "src/abradem"
         (f"{SOURCES}/dataset/features.py", AFTER_WEAR_RATES),
         (f"{SOURCES}/dataset/join.py", {**AFTER_WEAR_RATES}),
         (f"{SOURCES}/wear/rates.py", {
-            **AFTER_SIMULATION, "replicates": 4, **SCENES, "scene": 0, "figure_setup": 0,
+            **AFTER_SIMULATION, "replicates": 4, **SCENES,
+            "scene": 0, "scene_page": 0, "figure_setup": 0,
         }),
-        (f"{SOURCES}/wear/depths.py", each("figure_setup")),
+        (f"{SOURCES}/wear/depths.py", each("figure_setup", "scene_page")),
         (f"{SOURCES}/simulation/batch.py", {
             k: v for k, v in ALL_OF_SIMULATION.items()
-            if k not in ("sample", "join_cases", "scene", "angles", "figure_setup",
+            if k not in ("sample", "join_cases", "scene", "scene_page", "angles", "figure_setup",
                          "figure_angles", "figure_generation", "provenance")
         }),
         (f"{SOURCES}/dem/synchronous.py", {

@@ -64,6 +64,7 @@ rule documents:
         f"{RESULTS}/models/findings.html",
         f"{RESULTS}/models/model_card.html",
         f"{RESULTS}/explorer.html",
+        f"{RESULTS}/scene.html" if SIMULATED and not WEARS_SURFACE else [],
         f"{RESULTS}/config.yaml",
         f"{RESULTS}/versions.json",
         expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
@@ -296,6 +297,35 @@ rule paper_pdf:
 
 
 if SIMULATED:
+
+    rule scene_page:
+        """Particles and wear of the typical case in three dimensions, as a page."""
+        input:
+            particles=f"{RESULTS}/scenes/typical/particles.parquet",
+            wear=f"{RESULTS}/scenes/typical/wear.parquet",
+        output:
+            report(
+                f"{RESULTS}/scene.html",
+                caption="../report/scene.rst",
+                category="Set-up",
+                labels={"figure": "scene in 3-D", "file": "scene.html"},
+            ),
+        log:
+            f"{LOGS}/scene_page.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            options={
+                "study": CONFIG.study,
+                "case": TYPICAL,
+                "setup": SETUP,
+                "measure": MEASURE,
+            },
+            # The parts of the page are no modules.
+            parts=files_hash(*SCENE_FILES),
+            code=code_of("report/scene"),
+        script:
+            "../scripts/report/scene.py"
 
     # On demand: `snakemake movie`; needs an encoder, pip install -e '.[movie]'.
     FILMED = [f"plate_{angle:g}" for angle in FILM.plate_angles]

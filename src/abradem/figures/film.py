@@ -17,7 +17,7 @@ from abradem.dem.model import Setup
 from abradem.figures import style
 from abradem.figures.render import Camera, picture
 from abradem.figures.setup import factory_patch, particle_tints, worn_plate
-from abradem.figures.wear_colours import WEAR_MAP
+from abradem.figures.wear_colours import WEAR_MAP, scale_top
 
 _EYE = np.array([-0.25, 0.42, 0.87]) / np.linalg.norm([-0.25, 0.42, 0.87])
 _DISTANCE = 5.0
@@ -26,10 +26,6 @@ _ASPECT = 1.12
 
 _HEAD, _FOOT = 0.085, 0.155
 """Space above the pictures for the angle and below for the scale, relative to their width."""
-
-FULL_SHARE = 0.995
-"""Quantile of the final depths at which the shared colour scale ends, so that single extreme facets
-do not determine it."""
 
 
 @dataclass(frozen=True)
@@ -84,9 +80,7 @@ def frames(shots: Sequence[Shot], setup: Setup, width: int) -> Iterator[np.ndarr
 
 def shared_top(shots: Sequence[Shot]) -> float:
     """Depth at the upper end of the colour scale of all plates, mm."""
-    last = np.concatenate([shot.depth[-1].ravel() for shot in shots])
-    worn = last[last > 0.0]
-    return float(np.quantile(worn, FULL_SHARE)) if worn.size else 1.0
+    return scale_top(np.concatenate([shot.depth[-1].ravel() for shot in shots]))
 
 
 class _Stage:

@@ -12,6 +12,10 @@ WEAR_MAP = "YlOrRd"
 NO_WEAR = "#C3CFD9"
 """Colour of facets without wear, which is not a colour of little wear."""
 
+FULL_SHARE = 0.995
+"""Quantile of the final depths at which a scale ends that is shared by frames, so that single
+extreme facets do not determine it."""
+
 
 def wear_colours() -> Colormap:
     """Colours of depth maps, with a colour of its own for masked facets, those without wear."""
@@ -26,3 +30,9 @@ def only_worn(depth: np.ndarray) -> np.ma.MaskedArray:
 def no_wear_handle() -> Patch:
     """Legend handle for the facets without wear."""
     return Patch(color=NO_WEAR, label="no wear")
+
+
+def scale_top(depth: np.ndarray) -> float:
+    """Depth at the upper end of a scale for frames whose last has the given depths, their unit."""
+    worn = depth[depth > 0.0]
+    return float(np.quantile(worn, FULL_SHARE)) if worn.size else 1.0

@@ -9,9 +9,7 @@ brings.
 
 from __future__ import annotations
 
-import base64
 import html
-import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -21,6 +19,7 @@ import pandas as pd
 from abradem.dataset.variation import SAME, held_fixed, scales_of
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
 from abradem.report.explorer_parts import FILES
+from abradem.report.page_data import data_in_script, filled, in_script, stored
 from abradem.surrogate.domain import HARMLESS, NEIGHBOURS, SLACK, Domain
 from abradem.surrogate.javascript import group_functions
 from abradem.surrogate.maps import MapSurrogate
@@ -78,27 +77,16 @@ def explorer_page(
     data = explorer_data(description, arrays, maps, dataset, study, presets)
     parts = {path.name: path.read_text(encoding="utf-8") for path in FILES}
     functions = group_functions(Surrogate(description, arrays).jet)
-    replaced = {
-        "{{title}}": html.escape(f"Wear explorer: {study}"),
-        "{{style}}": parts["style.css"],
-        # No text of the data may end the element that holds it.
-        "{{data}}": json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
-        "{{plotly}}": _in_script(get_plotlyjs()),
-        "{{functions}}": functions,
-        "{{model}}": _in_script(parts["model.js"]),
-        "{{page}}": _in_script(parts["page.js"]),
+    texts = {
+        "title": html.escape(f"Wear explorer: {study}"),
+        "style": parts["style.css"],
+        "data": data_in_script(data),
+        "plotly": in_script(get_plotlyjs()),
+        "functions": functions,
+        "model": in_script(parts["model.js"]),
+        "page": in_script(parts["page.js"]),
     }
-    page = parts["page.html"]
-    for mark, text in replaced.items():
-        before, found, after = page.partition(mark)
-        if not found:
-            raise ValueError(f"page.html: lacks {mark}")
-        page = before + text + after
-    return page
-
-
-def _in_script(text: str) -> str:
-    return text.replace("</script", "<\\/script")
+    return filled(parts["page.html"], texts)
 
 
 def explorer_data(
@@ -134,14 +122,6 @@ def explorer_data(
             "rates": stored(rows[target["name"]].to_numpy(dtype=float)),
         },
     }
-
-
-def stored(array: np.ndarray) -> dict[str, Any]:
-    """An array as text: little-endian numbers in base64, their type and the shape."""
-    kind = "f4" if array.dtype == np.float32 else "f8"
-    numbers = np.ascontiguousarray(array, dtype=f"<{kind}")
-    text = base64.b64encode(numbers.tobytes()).decode("ascii")
-    return {"type": kind, "shape": list(array.shape), "text": text}
 
 
 def _quantities(description: Mapping) -> list[dict[str, Any]]:
