@@ -149,3 +149,12 @@ def test_the_check_finds_doubled_cases_and_missing_columns():
         ds.check(pd.concat([dataset, dataset.iloc[:1]]))
     with pytest.raises(ds.TableError, match="lacks column restitution"):
         ds.check(dataset.drop(columns="restitution"))
+
+
+def test_sampled_quantities_of_a_geometry_are_columns_of_their_case():
+    cases = sample_cases(3, rejected=(1,)).assign(plate_2_angle=[120.0, 130.0, 140.0])
+    runs = sample_runs(3, c1="rejected: too fast")
+    dataset, _ = ds.join(cases.iloc[::-1], sample_rates([0, 2]), runs)
+    assert list(dataset) == [*ds.DATASET_COLUMNS, "plate_2_angle"]
+    assert list(dataset["plate_2_angle"]) == [120.0, 140.0]
+    assert COLUMNS["plate_2_angle"].unit == "deg"

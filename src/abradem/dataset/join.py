@@ -11,6 +11,7 @@ import pandas as pd
 from abradem.dataset.features import derive
 from abradem.quantities import (
     FEATURE_NAMES,
+    GEOMETRY_NAMES,
     SAMPLED,
     STATISTICS,
     STDERR_COLUMNS,
@@ -35,7 +36,7 @@ DATASET_COLUMNS: tuple[str, ...] = (
     "wear_per_kg",
     "quality",
 )
-"""Columns of ``dataset.parquet``, in order."""
+"""Columns of ``dataset.parquet``, in order. Quantities of a geometry that were sampled follow."""
 
 FAILURE_COLUMNS: tuple[str, ...] = ("case_id", "status", "simulated_time")
 """Columns of ``failures.parquet``, in order."""
@@ -77,7 +78,8 @@ def join(
     Parameters
     ----------
     cases : pandas.DataFrame
-        case_id, block, seed, the 14 sampled columns (SI) and optionally ``rejected``.
+        case_id, block, seed, the 14 sampled columns (SI), those of a geometry that were sampled,
+        and optionally ``rejected``.
     rates : pandas.DataFrame
         From `abradem.wear.rates.wear_rates`, for all batches.
     runs : pandas.DataFrame
@@ -88,7 +90,8 @@ def join(
     Returns
     -------
     dataset : pandas.DataFrame
-        `DATASET_COLUMNS` of the successful cases with a wear rate, by case_id.
+        `DATASET_COLUMNS`, and the sampled quantities of a geometry, of the successful cases with a
+        wear rate, by case_id.
     failures : pandas.DataFrame
         `FAILURE_COLUMNS` of all other cases: rejected, ended early, never steady, without wear,
         with a value that is not finite, or not simulated.
@@ -108,6 +111,8 @@ def join(
     keys = cases[list(KEYS)].reset_index(drop=True)
     rejected = cases["rejected"] if "rejected" in cases else pd.Series("", index=cases.index)
     table = pd.concat([keys, features[list(FEATURE_NAMES)].reset_index(drop=True)], axis=1)
+    shape = [name for name in GEOMETRY_NAMES if name in cases]
+    table[shape] = cases[shape].to_numpy()
     table["rejected"] = rejected.fillna("").astype(str).to_numpy()
     run_columns = [
         "case_id", "status", "steady_from", "simulated_time", "delivered_rate", "face_share",
@@ -131,7 +136,7 @@ def join(
     ]
     table["status"] = [word or "ok" for word in status]
     good = np.array([not word for word in status], dtype=bool)
-    dataset = table.loc[good, list(DATASET_COLUMNS)].reset_index(drop=True)
+    dataset = table.loc[good, [*DATASET_COLUMNS, *shape]].reset_index(drop=True)
     failures = table.loc[~good, list(FAILURE_COLUMNS)].reset_index(drop=True)
     failures["simulated_time"] = failures["simulated_time"].fillna(0.0)
     return dataset, failures
