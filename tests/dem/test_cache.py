@@ -9,12 +9,11 @@ from pathlib import Path
 import abradem
 
 QUESTION = """
-import numpy as np
-from abradem.dem.factory import _is_free
-from abradem.dem.state import PARTICLE, make_problem
+from abradem.dem.factory import _is_off_the_walls
+from abradem.dem.state import make_problem
 from abradem.verification.scenes import Scene
 problem, _ = make_problem(Scene().case(), Scene().plane())
-print(_is_free(problem, np.zeros(1, PARTICLE), 0.0, 0.02, 0.0, np.zeros(1, np.int64), 0))
+print(_is_off_the_walls(problem, None, None, 0.0, 0.02, 0.0))
 """
 
 

@@ -15,6 +15,10 @@ from hypothesis import strategies as st
 import abradem.dem.warm
 from abradem.config.batches import batches_of_block
 from abradem.dem.model import Case, Setup, SimulationResult
+from abradem.dem.surface import CELL_SUMS
+from abradem.geometry.build import surface_of
+from abradem.geometry.kinds import Plates
+from abradem.geometry.shapes import Rectangle
 from abradem.quantities import SAMPLED
 from abradem.simulation import batch
 from abradem.simulation.batch import FILES, STARTED, TABLES, case_key, run_batch
@@ -197,11 +201,17 @@ def test_a_surface_without_a_complete_window_has_no_parts():
     """A simulation that is shorter than the window; the cells of a surface are one axis."""
     cases = table_of_cases()
     result = result_of(batch.Case.from_row(cases.iloc[0]), Setup.from_dict(SETUP))
+    surface = surface_of(Plates((Rectangle(0.2, 0.2, 30.0),)), 0.1)
+    cells = len(surface.triangles)
     result = dataclasses.replace(
-        result, facet_wear=np.zeros((3, 8)), facet_wear_parts=np.empty((0, 3, 8))
+        result,
+        setup=dataclasses.replace(result.setup, surface=surface),
+        facet_wear=np.zeros((3, cells)),
+        facet_wear_parts=np.empty((0, 3, cells)),
+        cell_sums=np.zeros((len(CELL_SUMS), cells)),
     )
     tables = batch.result_tables(cases.iloc[0], result)
-    assert len(tables["parts"]) == 0 and len(tables["maps"]) == 8
+    assert len(tables["parts"]) == 0 and len(tables["maps"]) == cells > 4
     assert tables["runs"]["window_parts"].tolist() == [0]
 
 

@@ -149,7 +149,8 @@ def _indices(
             rng=rng,
         )
     indices = np.full((2, 2, len(SAMPLED_NAMES)), np.nan)
-    indices[:, :, varies] = np.stack([found.first_order, found.total_order])
+    # With a single quantity the library leaves out its axis.
+    indices[:, :, varies] = np.stack([found.first_order, found.total_order]).reshape(2, 2, -1)
     indices[:, ~np.any(spread_of, axis=0)] = np.nan
     return indices
 
