@@ -13,13 +13,14 @@ from straight_engine import RATE, straight_line
 
 import abradem
 import abradem.dem
-from abradem.cli.case_input import read_setup
+from abradem.cli.case_input import patch_words, read_setup
 from abradem.cli.given_values import given_values, swept_values
 from abradem.cli.main import _parser, main
 from abradem.config import load_config, setup_dict
 from abradem.config.materials import preset
 from abradem.dataset.user_table import find_columns, read_user_table
 from abradem.dem.model import Setup
+from abradem.dem.surface import Feed
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, WEAR_COLUMNS, WEAR_MEASURES
 from abradem.store.files import read_json, write_json
 from abradem.store.tables import read_table, read_units
@@ -617,3 +618,8 @@ def test_a_sweep_counts_its_cases_on_a_terminal(monkeypatch, asked):
     assert main(["sweep", "plate_angle=0,20,40", "--cores", "1", "--output", "s.csv"]) == 0
     shown = terminal.getvalue().split("\r\x1b[2K")[1:]
     assert shown == ["1 of 3 cases simulated", "2 of 3 cases simulated", ""]
+
+
+def test_the_place_of_the_factory_is_told_in_millimetres():
+    feed = Feed((0.1, 0.5, 0.0), (0.2, 0.0, 0.0), (0.0, 0.0, 0.4), (0.0, -1.0, 0.0))
+    assert patch_words(feed) == "factory of 200 x 400 mm, centre at x = 100, y = 500, z = 0 mm"

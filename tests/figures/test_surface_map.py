@@ -25,14 +25,19 @@ CELLS = pd.DataFrame(
 )
 
 
-def test_parts_are_laid_out_with_the_colours_of_their_cells():
-    figure = surface_map_figure(SURFACE, CELLS, "total")
-    flat = [
+def laid_out(figure):
+    """The parts that are drawn flat."""
+    return [
         collection
         for panel in figure.axes
         for collection in panel.collections
         if type(collection) is PolyCollection
     ]
+
+
+def test_parts_are_laid_out_with_the_colours_of_their_cells():
+    figure = surface_map_figure(SURFACE, CELLS, "total")
+    flat = laid_out(figure)
     assert [len(one.get_paths()) for one in flat] == [
         np.count_nonzero(SURFACE.part == part) for part in (0, 1)
     ]
@@ -46,6 +51,10 @@ def test_parts_are_laid_out_with_the_colours_of_their_cells():
 def test_a_surface_without_wear_is_drawn():
     figure = surface_map_figure(SURFACE, CELLS.assign(depth_rate_total=0.0), "total")
     figure.canvas.draw()
+    flat = laid_out(figure)
+    assert len(flat) == 2
+    for one in flat:
+        assert np.unique(one.get_facecolor(), axis=0) == pytest.approx(np.array([BARE_FLAT]))
 
 
 def test_the_figure_of_a_study_shows_the_first_case_with_a_map():

@@ -8,7 +8,7 @@ import pytest
 from abradem.dem.model import Case, Setup
 from abradem.dem.surface import Feed
 from abradem.geometry.build import filled_in, mesh_file, prepared, shape_of, surface_of
-from abradem.geometry.feed import check_box, check_jet, feed_above, height_below, patch_words
+from abradem.geometry.feed import check_box, check_jet, feed_above, height_below
 from abradem.geometry.kinds import Arc, MeshFile, Motion, Plates, Screw, geometry_of
 from abradem.geometry.mesh_files import write_stl
 from abradem.geometry.shape import GeometryError, areas
@@ -196,4 +196,3 @@ def test_the_factory_lies_in_the_removal_box():
     check_box(feed, ((0.0, -1.0, -0.2), (0.2, 0.5, 0.2)))
     with pytest.raises(GeometryError, match=r"corner \(0.2, 0.5, -0.2\) m .* outside the removal"):
         check_box(feed, ((0.0, -1.0, -0.2), (0.19, 0.5, 0.2)))
-    assert patch_words(feed) == ("factory of 200 x 400 mm, centre at x = 100, y = 500, z = 0 mm")

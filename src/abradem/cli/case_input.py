@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -13,11 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 from abradem.cli.arguments import InputError
 from abradem.cli.given_values import Given, add_material_argument, say_preset, value_text
 from abradem.quantities import SAMPLED_NAMES
-from abradem.units import parse_quantity
+from abradem.units import MM_PER_M, parse_quantity
 from abradem.words.wear import WearTarget
 
 if TYPE_CHECKING:
     from abradem.config import Config
+    from abradem.dem.surface import Feed
 
 LARGEST_SEED = 2**63 - 1
 
@@ -232,6 +234,16 @@ def say_origins(given: Given, own: OwnSetup, filled: Mapping[str, float]) -> Non
     if filled:
         values = ", ".join(value_text(name, value) for name, value in sorted(filled.items()))
         print(f"not given, middle of the ranges of {own.origin}: {values}", file=sys.stderr)
+
+
+def patch_words(feed: Feed) -> str:
+    """Extent and place of the factory, mm, as text."""
+    length, width = (MM_PER_M * math.hypot(*edge) for edge in (feed.along, feed.across))
+    x, y, z = (MM_PER_M * number for number in feed.centre)
+    return (
+        f"factory of {length:.4g} x {width:.4g} mm, centre at x = {x:.4g}, y = {y:.4g}, "
+        f"z = {z:.4g} mm"
+    )
 
 
 def load_kernels(stepping: str) -> None:

@@ -14,6 +14,7 @@ from abradem.cli.case_input import (
     headline,
     load_kernels,
     middle_of_ranges,
+    patch_words,
     progress_line,
     read_setup,
     say_origins,
@@ -213,15 +214,13 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
     progress, clear = None, lambda: None
     if not row["rejected"]:
         if setup.get("geometry"):
-            from abradem.geometry.build import prepared
-            from abradem.geometry.feed import patch_words
+            from abradem.geometry.build import factory_of
 
             try:
-                placed = prepared(Setup.from_dict(setup), row)
+                factory = factory_of(Setup.from_dict(setup), row)
             except ValueError as error:
                 raise InputError(f"this case cannot be simulated: {error}") from None
-            if placed.feed is not None:
-                print(patch_words(placed.feed), file=sys.stderr)
+            print(patch_words(factory), file=sys.stderr)
             print(
                 "the engine is compiled at the first use of a geometry: a minute or more",
                 file=sys.stderr,

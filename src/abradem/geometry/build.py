@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from abradem.dem.model import Setup
-from abradem.dem.surface import Surface, cell_areas
+from abradem.dem.surface import Feed, Surface, cell_areas
 from abradem.geometry.feed import check_box, check_jet, feed_above
 from abradem.geometry.kinds import Geometry, Motion, geometry_of
 from abradem.geometry.shape import GeometryError, Shape, divided
@@ -103,9 +104,25 @@ def prepared(setup: Setup, values: Mapping[str, float]) -> Setup:
     GeometryError
         If the geometry cannot be used, a particle is wider than it, or the jet misses it.
     """
-    given = setup.geometry
-    if given is None or setup.surface is not None:
+    if setup.geometry is None or setup.surface is not None:
         return setup
+    geometry, feed, box = _placed(setup, values)
+    return replace(
+        setup,
+        surface=surface_of(geometry, setup.facet_size),
+        feed=feed,
+        removal_box=None if box is None else tuple(tuple(corner) for corner in box),
+    )
+
+
+def factory_of(setup: Setup, values: Mapping[str, float]) -> Feed:
+    """Return the factory of a case on a geometry, see `prepared`; the surface is not made."""
+    return _placed(setup, values)[1]
+
+
+def _placed(setup: Setup, values: Mapping[str, float]) -> tuple[Geometry, Feed, Any]:
+    """Geometry, factory and removal box of a case, which fit each other."""
+    given = setup.geometry
     options = {} if not isinstance(given, Mapping) else {**given}
     described = options.pop("shape", given)
     geometry = described
@@ -131,12 +148,7 @@ def prepared(setup: Setup, values: Mapping[str, float]) -> Setup:
     box = options.get("removal_box")
     if box is not None:
         check_box(feed, box)
-    return replace(
-        setup,
-        surface=surface_of(geometry, setup.facet_size),
-        feed=feed,
-        removal_box=None if box is None else tuple(tuple(corner) for corner in box),
-    )
+    return geometry, feed, box
 
 
 def mesh_file(given) -> str | None:

@@ -107,16 +107,6 @@ def check_box(feed: Feed, box: tuple) -> None:
             )
 
 
-def patch_words(feed: Feed) -> str:
-    """Extent and place of the factory, mm, as text."""
-    length, width = (1000.0 * float(np.linalg.norm(edge)) for edge in (feed.along, feed.across))
-    x, y, z = (1000.0 * number for number in feed.centre)
-    return (
-        f"factory of {length:.4g} x {width:.4g} mm, centre at x = {x:.4g}, y = {y:.4g}, "
-        f"z = {z:.4g} mm"
-    )
-
-
 def check_jet(shape: Shape, feed: Feed, speed: float, gravity: float) -> None:
     """Raise if no particle of the factory would meet the shape.
 

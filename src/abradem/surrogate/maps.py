@@ -29,11 +29,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abradem.quantities import SAMPLED_NAMES, WEAR_MEASURES
-from abradem.store.checksums import damage, remedy
-from abradem.store.errors import TableError
-from abradem.store.files import read_arrays, read_json
+from abradem.store.checksums import remedy
 from abradem.surrogate.groups import GROUP_NAMES, Jet, group_matrix, wear_scale
 from abradem.surrogate.inputs import PredictionError
+from abradem.surrogate.stored import stored_model
 from abradem.units import MM_PER_M
 
 STEM = "wear_maps"
@@ -90,21 +89,14 @@ class MapSurrogate:
         PredictionError
             If a file is missing or damaged, or is no map surrogate.
         """
-        files = Path(path), Path(path).with_suffix(".safetensors")
-        for file in files:
-            if not file.exists():
-                raise PredictionError(
-                    f"{file}: there is no such file; a study makes it with `snakemake physical`, "
-                    "unless it learns from a table, which holds no maps"
-                )
-            if line := damage(file):
-                raise PredictionError(line)
-        try:
-            description, arrays = read_json(files[0]), read_arrays(files[1])
-        except TableError as error:
-            raise PredictionError(str(error)) from None
+        path = Path(path)
+        description, arrays = stored_model(
+            path,
+            "a study makes it with `snakemake physical`, unless it learns from a table, which "
+            "holds no maps",
+        )
         if fault := _fault(description, arrays):
-            line = f"{files[0]}: damaged, or no map surrogate ({fault}){remedy(files[0])}"
+            line = f"{path}: damaged, or no map surrogate ({fault}){remedy(path)}"
             raise PredictionError(line)
         return cls(description, arrays)
 

@@ -23,14 +23,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abradem.store.checksums import damage, remedy
-from abradem.store.errors import TableError
-from abradem.store.files import read_arrays, read_json
+from abradem.store.checksums import remedy
 from abradem.surrogate.domain import Domain, warnings_on
 from abradem.surrogate.groups import Jet, group_columns, wear_scale
 from abradem.surrogate.inputs import PredictionError, checked_columns
 from abradem.surrogate.networks import RateModel, rate_models
 from abradem.surrogate.parts import PartError, check_arrays, check_description, local_names
+from abradem.surrogate.stored import stored_model
 
 BLOCK = 4096
 """Number of rows computed at once, few enough for the processor's cache."""
@@ -168,24 +167,13 @@ class Surrogate:
         """
         path = Path(path)
         path = path if path.suffix == ".json" else Path(f"{path}.json")
-        files = path, path.with_suffix(".safetensors")
-        missing = next((file for file in files if not file.exists()), None)
-        if missing is not None:
-            raise PredictionError(
-                f"{missing}: there is no such file; run the study first (make run), or give the "
-                "surrogate of another study"
-            )
-        for file in files:
-            if line := damage(file):
-                raise PredictionError(line)
-        try:
-            description, arrays = read_json(files[0]), read_arrays(files[1])
-        except TableError as error:
-            raise PredictionError(str(error)) from None
-        file = files[0]
+        description, arrays = stored_model(
+            path, "run the study first (make run), or give the surrogate of another study"
+        )
+        file = path
         try:
             check_description(description)
-            file = files[1]
+            file = path.with_suffix(".safetensors")
             check_arrays(arrays, local_names(description), "domain" in description)
         except PartError as error:
             line = f"{file}: damaged, or not a surrogate ({error}){remedy(file)}"
