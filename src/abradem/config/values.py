@@ -5,7 +5,8 @@ from __future__ import annotations
 import yaml
 
 from abradem.config.declaration import STATED, Config, to_si
-from abradem.config.geometry import geometry_dict
+from abradem.config.geometry import geometry_dict, geometry_ranges
+from abradem.config.unused import unused_quantities
 from abradem.quantities import SAMPLED
 
 
@@ -17,23 +18,44 @@ def to_yaml(config: Config) -> str:
 
 
 def sampled_ranges(config: Config) -> dict[str, list[float]]:
-    """Return {name: [lower, upper]} of the 14 sampled quantities in the units of tables (SI)."""
-    ranges = config.sampling.ranges
-    return {
+    """Return {name: [lower, upper]} of the 14 sampled quantities in the units of tables (SI).
+
+    A quantity that nothing depends on, as the plate angle beside a mesh, is held fixed: at the
+    number of the study, or at 0 instead of a range.
+    """
+    ranges, fixed = config.sampling.ranges, unused_quantities(config)
+    found = {
         row.name: [to_si(row, bound) for bound in getattr(ranges, row.config_key)]
         for row in SAMPLED
     }
+    for name in fixed:
+        if found[name][0] < found[name][1]:
+            found[name] = [0.0, 0.0]
+    return found
 
 
 def typical_case(config: Config) -> dict[str, float]:
-    """Return the arguments of `abradem.Case` for the representative case, SI units."""
-    middle = {name: (low + high) / 2.0 for name, (low, high) in sampled_ranges(config).items()}
+    """Return the quantities of the representative case and its seed, SI units.
+
+    They are those of the geometry too, where these are sampled. On a geometry, a quantity whose
+    value in ``figures.typical`` lies outside its range is in the middle of the range: the values
+    are chosen for the plate of the paper.
+    """
+    ranges = sampled_ranges(config)
     chosen = config.figures.typical
     given = {
         row.name: to_si(row, getattr(chosen, row.config_key))
         for row in SAMPLED
         if hasattr(chosen, row.config_key)
     }
+    if config.simulation.geometry.kind != "plate":
+        given = {
+            name: value
+            for name, value in given.items()
+            if ranges[name][0] <= value <= ranges[name][1]
+        }
+        ranges |= geometry_ranges(config)
+    middle = {name: (low + high) / 2.0 for name, (low, high) in ranges.items()}
     return {**middle, **given, "seed": config.seed}
 
 
