@@ -68,6 +68,7 @@ elif SIMULATED:
 
     include: "workflow/rules/sampling.smk"
     include: "workflow/rules/simulation.smk"
+    include: "workflow/rules/scenes.smk"
     include: "workflow/rules/wear.smk"
     include: "workflow/rules/dataset.smk"
 

@@ -27,23 +27,6 @@ if SIMULATED:
 
     # Figures of single cases depend only on the batches of these cases, so that new blocks do not
     # redraw them.
-    rule figure_setup:
-        """The simulation set-up: plate, factory, particles and wear map."""
-        input:
-            particles=f"{RESULTS}/scenes/typical/particles.parquet",
-            wear=f"{RESULTS}/scenes/typical/wear.parquet",
-        output:
-            figure_files("setup"),
-        log:
-            f"{LOGS}/figure_setup.log",
-        conda:
-            "../envs/abradem.yaml"
-        params:
-            **drawn_as("setup"),
-            options={"case": TYPICAL, "setup": SETUP, "measure": MEASURE},
-        script:
-            "../scripts/figures/figure.py"
-
     rule figure_series:
         """Wear depth against time for some cases."""
         input:

@@ -13,9 +13,10 @@ rule surface:
         f"{RESULTS}/parts.html",
         expand(
             f"{RESULTS}/figures/{{figure}}.{{suffix}}",
-            figure=["surface", "part_rates"],
+            figure=["setup", "surface", "part_rates"],
             suffix=FORMATS,
         ),
+        f"{RESULTS}/scene.html",
 
 
 rule cells:

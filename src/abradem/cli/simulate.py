@@ -301,11 +301,11 @@ def _write_outputs(tables: dict, row: dict, setup: dict, config, options) -> Non
         else:
             write_map(tables, row, setup, target, path, numbered)
     if options.snapshots and not row["rejected"]:
-        from abradem.dem.model import Case, Setup
+        from abradem.dem.model import Setup
         from abradem.simulation.snapshots import write_snapshots
 
         interval = options.interval or config.simulation.export.interval_s
-        write_snapshots(Case.from_row(row), Setup.from_dict(setup), options.snapshots, interval)
+        write_snapshots(row, Setup.from_dict(setup), options.snapshots, interval)
 
 
 def find_case(study: Path, case: int) -> dict:

@@ -112,8 +112,9 @@ def setup_dict(config: Config) -> dict:
         "patch_length": factory.patch_length_mm / 1000.0,
         "patch_width": factory.patch_width_mm / 1000.0,
         "fall_height": factory.fall_height_mm / 1000.0,
-        "angle_acts": factory.angle_acts,
-        "arc_radius": factory.arc_radius_mm / 1000.0,
+        # The factory of a geometry does not swing.
+        "angle_acts": factory.angle_acts if geometry is None else "level",
+        "arc_radius": factory.arc_radius_mm / 1000.0 if geometry is None else 0.0,
         "mass_rate": factory.mass_rate_kg_s,
         "number_rate": factory.number_rate_per_s,
         "removal_depth": simulation.removal_depth_mm / 1000.0,
