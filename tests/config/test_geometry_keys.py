@@ -199,10 +199,10 @@ def test_keys_of_a_geometry_mean_nothing_for_the_plate(kind, key):
 
 def test_a_height_beside_a_place_and_a_depth_beside_a_box_mean_nothing():
     geometry = {"kind": "arc", "factory_centre_mm": [0, 500, 0]}
-    with pytest.raises(ConfigError, match="fall_height_mm: 300: means nothing beside .*centre_mm"):
+    with pytest.raises(ConfigError, match=r"fall_height_mm: 300: means nothing beside .*centre_mm"):
         configured(geometry, factory={"fall_height_mm": 300})
     geometry = {"kind": "arc", "removal_box_mm": [[-1, -1, -1], [1, 1, 1]]}
-    with pytest.raises(ConfigError, match="removal_depth_mm: 50: means nothing beside .*box_mm"):
+    with pytest.raises(ConfigError, match=r"removal_depth_mm: 50: means nothing beside .*box_mm"):
         configured(geometry, removal_depth_mm=50)
 
 
@@ -211,7 +211,7 @@ def test_the_plate_angle_varies_where_a_chain_takes_it_alone():
     assert sampled_ranges(configured(CHAIN))["plate_angle"] == [0.0, 70.0]
     assert sampled_ranges(configured(chain))["plate_angle"] == [0.0, 0.0]
     assert sampled_ranges(configured(CHAIN))["factory_angle"] == [0.0, 0.0]
-    with pytest.raises(ConfigError, match="kind: plates without angle: plate_angle .allowed one"):
+    with pytest.raises(ConfigError, match=r"kind: plates without angle: plate_angle .allowed one"):
         load_config(with_key("sampling.ranges.plate_angle", [10, 20], **chain))
     number = load_config(with_key("sampling.ranges.plate_angle", 25, **chain))
     assert sampled_ranges(number)["plate_angle"] == [25.0, 25.0]
@@ -220,7 +220,7 @@ def test_the_plate_angle_varies_where_a_chain_takes_it_alone():
 def test_a_table_from_elsewhere_has_no_geometry():
     values = {"study": "one", "simulation": {"geometry": {"kind": "arc"}},
               "dataset": {"external": "a.csv"}}  # fmt: skip
-    with pytest.raises(ConfigError, match="kind: .arc.: a table from elsewhere knows the plate"):
+    with pytest.raises(ConfigError, match=r"kind: .arc.: a table from elsewhere knows the plate"):
         load_config(values)
 
 

@@ -309,7 +309,7 @@ def not_ready(jobs):
     rules = {job.rule.name for job in jobs}
     stages = {Path(str(job.rule.snakefile)).stem for job in jobs}
     problems = []
-    if SIMULATED and not CALIBRATES and not WEARS_SURFACE:
+    if SIMULATED and not CALIBRATES:
         cases = [
             int(job.wildcards.case) for job in jobs if hasattr(job.wildcards, "case")
         ]

@@ -348,7 +348,7 @@ def _draw_jet(panel: Axes, feed: Feed, case: Mapping[str, float], size: float) -
     begin = MM_PER_M * np.array(feed.centre[:2])
     end = begin + 0.2 * size * direction
     panel.annotate(
-        "", xy=end, xytext=begin,
+        "", xy=tuple(end), xytext=tuple(begin),
         arrowprops={"arrowstyle": "->", "lw": 1.0, "color": style.RED, "shrinkA": 0, "shrinkB": 0},
     )  # fmt: skip
     across = abs(direction[0]) > abs(direction[1])
@@ -412,8 +412,8 @@ def _draw_angle(panel: Axes, place: np.ndarray, direction: float, reach: float) 
     middle = math.radians(0.5 * (level + direction))
     at = place + 0.95 * reach * np.array([math.cos(middle), math.sin(middle)])
     panel.text(
-        *at, f"{_number(abs(direction - level))}°", fontsize=6.5, va="center",
-        ha="left" if side > 0.0 else "right",
+        float(at[0]), float(at[1]), f"{_number(abs(direction - level))}°", fontsize=6.5,
+        va="center", ha="left" if side > 0.0 else "right",
     )  # fmt: skip
 
 

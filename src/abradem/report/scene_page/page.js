@@ -145,7 +145,7 @@
   // The surface as traces: of a geometry the cells with wear, and, seen through, those without.
   function surface(frame) {
     const placed = { ...SURFACE, ...positions(times[frame]) };
-    const groups = [[], []];
+    const groups = data.see_through ? [[], []] : [[]];
     for (let cell = 0; cell < cells; cell += 1) {
       groups[data.see_through && !(depth[frame * cells + cell] > 0) ? 1 : 0].push(cell);
     }
