@@ -456,8 +456,9 @@ class GeometryKeys(Section):
     """What the particles wear: the plate, or another surface.
 
     With another surface, facet_size_mm, patch_length_mm, patch_width_mm and fall_height_mm keep
-    their meaning, and the factory angle none. Numbers of a chain, an arc and a screw may be ranges,
-    which are sampled.
+    their meaning, and the factory angle none, so it is held at 0, and so is the plate angle if no
+    plate of a chain takes it. Numbers of a chain, an arc and a screw may be ranges, which are
+    sampled.
     """
 
     kind: Literal["plate", "plates", "arc", "mesh", "screw"] = _key(
@@ -1099,7 +1100,10 @@ class Calibration(Section):
 
 
 class Typical(Section):
-    """The representative case in figures: the middle of all ranges, except for these values."""
+    """The representative case in figures: the middle of all ranges, except for these values.
+
+    With a geometry a value outside its range gives way to the middle of the range.
+    """
 
     plate_angle: float = _key(35.0, "Plate angle.", unit="deg", ge=-90.0, le=90.0)
     factory_angle: float = _key(-30.0, "Factory angle.", unit="deg", ge=-90.0, le=90.0)
@@ -1139,7 +1143,7 @@ class Angles(Section):
 
 
 class Movie(Section):
-    """The movie of `snakemake movie`, with several plates side by side.
+    """The movie of `snakemake movie`, with several plates side by side, or a geometry.
 
     All other quantities are those of `figures.typical`.
     """
