@@ -14,6 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from abradem.dem.surface import Feed
+
 LIGHT = np.array([0.35, -1.0, -0.45]) / np.linalg.norm([0.35, -1.0, -0.45])
 """Direction of the light."""
 
@@ -147,6 +149,14 @@ class Patch:
         across = np.array([0.0, 0.0, 0.5 * self.width])
         centre = np.array([0.0, self.height, 0.0])
         return centre + np.array([-along - across, along - across, along + across, -along + across])
+
+
+def patch_corners(feed: Feed) -> np.ndarray:
+    """Corners of the factory patch in order, shape (4, 3), m."""
+    along, across = 0.5 * np.array(feed.along), 0.5 * np.array(feed.across)
+    return np.array(feed.centre) + np.array(
+        [-along - across, along - across, along + across, across - along]
+    )
 
 
 def picture(

@@ -17,7 +17,7 @@ from matplotlib.ticker import MaxNLocator
 from abradem.dem.model import Setup
 from abradem.dem.surface import Feed, Surface, cell_areas
 from abradem.figures import style
-from abradem.figures.render import Camera
+from abradem.figures.render import Camera, patch_corners
 from abradem.figures.render_surface import Layers, layers_of, picture_of_surface
 from abradem.figures.setup import framed, particle_tints, pixels_of, within_frame
 from abradem.figures.wear_colours import wear_colours
@@ -152,14 +152,6 @@ def drawn(
     )  # fmt: skip
     cover = np.where(worn, WORN_COVER, BARE_COVER)
     return picture_of_surface(layers, colours, cover, ~worn, places, radius, tints)
-
-
-def patch_corners(feed: Feed) -> np.ndarray:
-    """Corners of the factory patch in order, shape (4, 3), m."""
-    along, across = 0.5 * np.array(feed.along), 0.5 * np.array(feed.across)
-    return np.array(feed.centre) + np.array(
-        [-along - across, along - across, along + across, across - along]
-    )
 
 
 def _edges(surface: Surface, corners: np.ndarray) -> np.ndarray:

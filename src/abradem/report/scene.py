@@ -17,8 +17,7 @@ from matplotlib.colors import to_hex
 
 from abradem.dem.model import Setup
 from abradem.dem.surface import Surface
-from abradem.figures.render import Patch
-from abradem.figures.setup_geometry import patch_corners
+from abradem.figures.render import Patch, patch_corners
 from abradem.figures.wear_colours import NO_WEAR, scale_top, wear_colours
 from abradem.geometry.build import prepared
 from abradem.geometry.turning import turning_parts
