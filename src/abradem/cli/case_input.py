@@ -228,9 +228,27 @@ def middle_of_ranges(own: OwnSetup, given: Iterable[str]) -> dict[str, float]:
     }
 
 
+def unused_values(own: OwnSetup | None, names: Iterable[str]) -> list[str]:
+    """Return a line for each quantity that is given although nothing depends on it."""
+    from abradem.config.unused import unused_quantities
+
+    if own is None:
+        return []
+    kind = own.config.simulation.geometry.kind
+    return [
+        f"{name}: means nothing with geometry.kind: {kind} (allowed without it)"
+        for name in unused_quantities(own.config)
+        if name in names
+    ]
+
+
 def say_origins(given: Given, own: OwnSetup, filled: Mapping[str, float]) -> None:
     """Print where the quantities that are not on the command line come from."""
+    from abradem.config.unused import unused_quantities
+
     say_preset(given)
+    unused = unused_quantities(own.config)
+    filled = {name: value for name, value in filled.items() if name not in unused}
     if filled:
         values = ", ".join(value_text(name, value) for name, value in sorted(filled.items()))
         print(f"not given, middle of the ranges of {own.origin}: {values}", file=sys.stderr)

@@ -18,6 +18,7 @@ from abradem.cli.case_input import (
     progress_line,
     read_setup,
     say_origins,
+    unused_values,
 )
 from abradem.cli.given_values import Given, given_values, impossible_values
 from abradem.surrogate.model import PredictionError
@@ -162,6 +163,7 @@ def _own_case(options: argparse.Namespace, problems: list[str]) -> int:
         problems += str(error).splitlines()
     own = read_setup(options, problems)
     problems += impossible_values(given.values)
+    problems += unused_values(own, given.values)
     problems += _scene_problems(options, own.setup) if own is not None else []
     if problems or own is None:
         raise InputError("\n".join(problems))

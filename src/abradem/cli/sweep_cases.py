@@ -18,6 +18,7 @@ from abradem.cli.case_input import (
     middle_of_ranges,
     read_setup,
     say_origins,
+    unused_values,
 )
 from abradem.cli.given_values import (
     Given,
@@ -94,6 +95,7 @@ def run_sweep(options: argparse.Namespace) -> int:
         problems.append(str(error))
     own = read_setup(options, problems)
     problems += impossible_values({**swept.fixed.values, **swept.lists})
+    problems += unused_values(own, {**swept.fixed.values, **swept.lists})
     problems += _figure_problems(options, swept)
     if options.surrogate and own is not None and own.setup.get("geometry"):
         problems.append("--surrogate predicts the plate alone (allowed without a geometry)")

@@ -23,6 +23,7 @@ from abradem.figures.setup import framed, particle_tints, pixels_of, within_fram
 from abradem.figures.wear_colours import wear_colours
 from abradem.geometry.build import filled_in, prepared
 from abradem.geometry.kinds import Arc, Geometry, Plates, Screw, geometry_of
+from abradem.geometry.outline import outline
 from abradem.geometry.turning import corners_at
 from abradem.units import MM_PER_M
 from abradem.wear.depths import cell_depth_frames
@@ -34,9 +35,6 @@ HEIGHT = 3.6
 BARE = np.array([0.76, 0.81, 0.85])
 BARE_COVER, WORN_COVER = 0.30, 0.85
 """Cover of the cells without and with wear: walls do not hide what is behind them."""
-
-CREASE = math.cos(math.radians(25.0))
-"""Cosine of the angle between cells from which on their common edge is drawn."""
 
 MOST_NAMED = 8
 """Largest number of parts with a name in the picture, the largest ones."""
@@ -137,7 +135,7 @@ def layers_at(scene: PlacedCase, camera: Camera, time: float) -> Layers:
     """What the camera sees of surface and factory at a time (s), see `render_surface`."""
     corners = corners_at(scene.surface, time)
     return layers_of(
-        camera, corners, _edges(scene.surface, corners), patch_corners(scene.feed)
+        camera, corners, outline(scene.surface, corners), patch_corners(scene.feed)
     )  # fmt: skip
 
 
@@ -152,25 +150,6 @@ def drawn(
     )  # fmt: skip
     cover = np.where(worn, WORN_COVER, BARE_COVER)
     return picture_of_surface(layers, colours, cover, ~worn, places, radius, tints)
-
-
-def _edges(surface: Surface, corners: np.ndarray) -> np.ndarray:
-    """Ends of the rims of the parts and of their creases, shape (n, 2, 3), m."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    ends = np.sort(surface.triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
-    keyed = np.column_stack([np.repeat(surface.part, 3), ends])
-    _, first, place, count = np.unique(
-        keyed, axis=0, return_index=True, return_inverse=True, return_counts=True
-    )
-    face = np.arange(len(ends)) // 3
-    order = np.argsort(place.ravel(), kind="stable")
-    starts = np.concatenate([[0], np.cumsum(count)])[:-1]
-    one, other = order[starts], order[starts + np.minimum(count - 1, 1)]
-    bend = np.abs(np.einsum("ij,ij->i", normal[face[one]], normal[face[other]]))
-    chosen = first[(count == 1) | (count > 2) | (bend < CREASE)]
-    side = chosen % 3
-    return np.stack([corners[face[chosen], side], corners[face[chosen], (side + 1) % 3]], axis=1)
 
 
 def _name_parts(
@@ -290,7 +269,7 @@ def _draw_side(panel: Axes, scene: PlacedCase, case: Mapping[str, float]) -> Non
     panel.add_collection(
         PolyCollection(list(flat), facecolors=(*BARE, 0.25), edgecolors="none", rasterized=True)
     )
-    lines = MM_PER_M * _edges(surface, corners)[..., :2]
+    lines = MM_PER_M * outline(surface, corners)[..., :2]
     panel.add_collection(LineCollection(list(lines), colors="#444950", linewidths=0.7))
     patch = MM_PER_M * patch_corners(feed)[:, :2]
     panel.plot(*patch[[0, 2]].T, color=style.BLUE, lw=2.2, solid_capstyle="butt")
