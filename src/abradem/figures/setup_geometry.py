@@ -21,8 +21,8 @@ from abradem.figures.render import Camera, patch_corners
 from abradem.figures.render_surface import Layers, layers_of, picture_of_surface
 from abradem.figures.setup import framed, particle_tints, pixels_of, within_frame
 from abradem.figures.wear_colours import wear_colours
-from abradem.geometry.build import filled_in, prepared
-from abradem.geometry.kinds import Arc, Geometry, Plates, Screw, geometry_of
+from abradem.geometry.build import geometry_described, prepared
+from abradem.geometry.kinds import Arc, Geometry, Plates, Screw
 from abradem.geometry.outline import outline
 from abradem.geometry.turning import corners_at
 from abradem.units import MM_PER_M
@@ -66,11 +66,9 @@ def placed_case(case: Mapping[str, float], setup: Setup) -> PlacedCase:
     setup = prepared(setup, case)
     if setup.surface is None or setup.feed is None:
         raise ValueError("the set-up has a plate")
-    given: Any = setup.geometry
+    given = setup.geometry
     above = not isinstance(given, Mapping) or given.get("centre") is None
-    if isinstance(given, Mapping):
-        given = geometry_of(filled_in(given.get("shape", given), case))
-    return PlacedCase(setup, setup.surface, setup.feed, given, above)
+    return PlacedCase(setup, setup.surface, setup.feed, geometry_described(setup, case), above)
 
 
 def geometry_figure(

@@ -151,19 +151,30 @@ def factory_of(setup: Setup, values: Mapping[str, float]) -> Feed:
     return _placed(setup, values)[1]
 
 
-def _placed(setup: Setup, values: Mapping[str, float]) -> tuple[Geometry, Feed, Any]:
-    """Geometry, factory and removal box of a case, which fit each other."""
+def geometry_described(setup: Setup, values: Mapping[str, float]) -> Geometry:
+    """Return the geometry of a set-up with the values of a case for its sampled quantities.
+
+    Raises
+    ------
+    GeometryError
+        If it cannot be used.
+    """
     given = setup.geometry
-    options = {} if not isinstance(given, Mapping) else {**given}
-    described = options.pop("shape", given)
-    geometry = described
+    described = given.get("shape", given) if isinstance(given, Mapping) else given
     if isinstance(described, Mapping):
-        geometry = geometry_of(filled_in(described, values))
-    elif not isinstance(described, Geometry):
+        return geometry_of(filled_in(described, values))
+    if not isinstance(described, Geometry):
         raise GeometryError(
             f'geometry = {described!r} (allowed: a mapping such as {{"kind": "mesh", "file": '
             '"chute.stl"})'
         )
+    return described
+
+
+def _placed(setup: Setup, values: Mapping[str, float]) -> tuple[Geometry, Feed, Any]:
+    """Geometry, factory and removal box of a case, which fit each other."""
+    options: Mapping[str, Any] = setup.geometry if isinstance(setup.geometry, Mapping) else {}
+    geometry = geometry_described(setup, values)
     coarse = _remembered(_shape, geometry, setup.facet_size)
     check_particle(coarse, values["particle_radius"])
     feed = feed_above(

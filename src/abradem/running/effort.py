@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 from abradem.config.declaration import UNKNOWN, Config
+from abradem.config.geometry import geometry_ranges
 from abradem.config.values import sampled_ranges, setup_dict
 from abradem.dem.cache import is_compiled
 
@@ -61,7 +62,17 @@ def estimate(config: Config, cores: int | None = None) -> str:
     blocks = min(sampling.blocks, -(-_LOOKED_AT // size))
     ranges, setup = sampled_ranges(config), setup_dict(config)
     looked_at = [
-        case_seconds(block_cases(config.seed, block, size, sampling.method, ranges), setup)
+        case_seconds(
+            block_cases(
+                config.seed,
+                block,
+                size,
+                sampling.method,
+                ranges,
+                geometry=geometry_ranges(config),
+            ),
+            setup,
+        )
         for block in range(blocks)
     ]
     each = sum(spent.sum() for spent in looked_at) / (blocks * size)
