@@ -24,8 +24,7 @@ from abradem.figures.captions import caption_in_rst
 from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS, SURFACE
 from abradem.publish.description import LICENCE
 from abradem.quantities import wear_parts
-from abradem.report.explorer_parts import FILES as EXPLORER_FILES
-from abradem.report.scene_parts import SCENE_FILES
+from abradem.report.page_files import EXPLORER_FILES, FRAME_FILES, SCENE_FILES
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
 from abradem.running.memory import killed_for_memory, memory_kills

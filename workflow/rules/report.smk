@@ -230,7 +230,7 @@ rule explorer:
             "presets": {name: preset(name) for name in PARTICLE_MATERIALS},
         },
         # The parts of the page are no modules.
-        parts=files_hash(*EXPLORER_FILES),
+        parts=files_hash(*FRAME_FILES, *EXPLORER_FILES),
         code=code_of("report/explorer"),
     script:
         "../scripts/report/explorer.py"

@@ -47,7 +47,7 @@ rule scene_page:
             "measure": MEASURE,
         },
         # The parts of the page are no modules.
-        parts=files_hash(*SCENE_FILES),
+        parts=files_hash(*FRAME_FILES, *SCENE_FILES),
         code=code_of("report/scene"),
     script:
         "../scripts/report/scene.py"

@@ -9,7 +9,6 @@ brings.
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,8 +17,8 @@ import pandas as pd
 
 from abradem.dataset.variation import SAME, held_fixed, scales_of
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
-from abradem.report.explorer_parts import FILES
-from abradem.report.page_data import data_in_script, filled, in_script, stored
+from abradem.report.page_data import stored, whole_page
+from abradem.report.page_files import EXPLORER_FILES
 from abradem.surrogate.domain import HARMLESS, NEIGHBOURS, SLACK, Domain
 from abradem.surrogate.javascript import group_functions
 from abradem.surrogate.maps import MapSurrogate
@@ -71,22 +70,11 @@ def explorer_page(
     presets : mapping of str to mapping
         Values of the quantities of each preset of materials.
     """
-    from plotly.offline import get_plotlyjs
-
     description, arrays = model
     data = explorer_data(description, arrays, maps, dataset, study, presets)
-    parts = {path.name: path.read_text(encoding="utf-8") for path in FILES}
     functions = group_functions(Surrogate(description, arrays).jet)
-    texts = {
-        "title": html.escape(f"Wear explorer: {study}"),
-        "style": parts["style.css"],
-        "data": data_in_script(data),
-        "plotly": in_script(get_plotlyjs()),
-        "functions": functions,
-        "model": in_script(parts["model.js"]),
-        "page": in_script(parts["page.js"]),
-    }
-    return filled(parts["page.html"], texts)
+    scripts = [[functions, "model.js"], ["page.js"]]
+    return whole_page(f"Wear explorer: {study}", EXPLORER_FILES, data, scripts)
 
 
 def explorer_data(

@@ -6,7 +6,6 @@ plotly.js, which the package plotly brings, with WebGL.
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -21,8 +20,8 @@ from abradem.figures.render import Patch, patch_corners
 from abradem.figures.wear_colours import NO_WEAR, scale_top, wear_colours
 from abradem.geometry.build import prepared
 from abradem.geometry.turning import turning_parts
-from abradem.report.page_data import data_in_script, filled, in_script, stored
-from abradem.report.scene_parts import SCENE_FILES
+from abradem.report.page_data import stored, whole_page
+from abradem.report.page_files import SCENE_FILES
 from abradem.report.vtk import plate_facets
 from abradem.wear.depths import cell_depth_frames, depth_frames
 
@@ -55,18 +54,8 @@ def scene_page(
     measure : str
         Wear measure.
     """
-    from plotly.offline import get_plotlyjs
-
     data = scene_data(particles, wear, study, case, Setup.from_dict(setup), measure)
-    parts = {path.name: path.read_text(encoding="utf-8") for path in SCENE_FILES}
-    texts = {
-        "title": html.escape(f"Particles and wear: {study}"),
-        "style": parts["style.css"],
-        "data": data_in_script(data),
-        "plotly": in_script(get_plotlyjs()),
-        "page": in_script(parts["page.js"]),
-    }
-    return filled(parts["page.html"], texts)
+    return whole_page(f"Particles and wear: {study}", SCENE_FILES, data, [["page.js"]])
 
 
 def scene_data(

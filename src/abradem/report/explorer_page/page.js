@@ -392,7 +392,9 @@
     at("study").textContent = data.study;
     at("about").textContent =
       `Predictions of the surrogate that learned from ${data.training_rows ?? data.cases.ids.length} cases. Everything is computed in this page.`;
-    if (!data.jet_known) at("about").textContent += " The jet behind the cases is not known; answers are for it alone.";
+    at("about").textContent += data.jet_known
+      ? " Feed, factory patch, fall height and plate have no sliders: they are those of the study, and another study has others."
+      : " The jet behind the cases is not known; answers are for it alone.";
     build();
     const highest = Model.highestLevel();
     const levels = USUAL_LEVELS.filter((level) => level <= highest);
