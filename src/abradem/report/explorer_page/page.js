@@ -271,6 +271,7 @@
 
   function drawCurve(predictions) {
     const one = byName[state.against];
+    if (!one) return;
     const rate = Model.rates[state.place];
     const log = at("log-axis").checked;
     Plotly.react("curve", traces(one, rate, POINTS, {}, predictions[state.place].rate), {
@@ -319,8 +320,7 @@
   // ---- Nearest cases and command ----
 
   function drawNearest() {
-    const columns = ["plate_angle", "factory_angle", "particle_radius", "particle_velocity_y", "archard_constant"]
-      .map((name) => byName[name]);
+    const columns = data.beside.map((name) => byName[name]);
     const found = Model.nearestCases(state.values, NEAREST);
     document.querySelector("#nearest thead").replaceChildren(element("tr", {},
       ...["Case", "Distance", "Simulated (mm/s)", "Predicted (mm/s)", ...columns.map(title), ""].map((text) =>
