@@ -173,8 +173,7 @@ _GEOMETRY: dict[str, tuple[str, tuple[str, tuple[float, float], str]]] = {
     "arc_width": ("ba", _SIZE),
     "screw_length": ("ls", _SIZE), "screw_radius": ("Rs", _SIZE),
     "screw_shaft_radius": ("rs", _SIZE), "screw_pitch": ("ps", _SIZE),
-    "screw_clearance": ("cs", ("m", (0.0, _EXTENT), "{}_ratio")),
-    "screw_rim": ("hs", _SIZE),
+    "screw_clearance": ("cs", _SIZE), "screw_rim": ("hs", _SIZE),
     "screw_revolutions": ("ns", ("rev/min", (-1e4, 1e4), "{}_ratio")),
 }  # fmt: skip
 

@@ -3,8 +3,8 @@
 A quantity of a geometry has one group, beside those of the jet (`abradem.surrogate.groups`). With
 the fall height H and the speed of impact v they are ::
 
-    ln l/H        length, width, radius, pitch or height, always positive
-    x/H           gap, drop or clearance, which may be 0 or negative
+    ln l/H        length, width, radius, pitch, clearance or height, always positive
+    x/H           gap or drop, which may be 0 or negative
     phi           angle, rad
     u/v           speed of a belt, whose sign is its direction
     U/v           speed of the rim of a screw, U = 2 pi n R
