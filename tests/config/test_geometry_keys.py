@@ -144,3 +144,30 @@ def test_elements_are_those_of_the_plate_alone():
 )
 def test_wrong_keys_are_told_in_one_line(geometry, line):
     assert line in problem(geometry)
+
+
+@pytest.mark.parametrize(
+    ("geometry", "learning", "line"),
+    [
+        ({"kind": "plate"}, {"part": "upper"},
+         'learning.part: "upper": is for a simulated geometry'),
+        (CHAIN, {"part": "middle"},
+         'learning.part: "middle": there is no such plate (allowed upper, plate_2)'),
+        (CHAIN, {"part": "upper", "fresh_blocks": 1},
+         "learning.fresh_blocks: 1: knows no parts (allowed 0 with learning.part)"),
+        (CHAIN, {"part": " "}, 'learning.part: " ": must not be empty'),
+    ],
+)  # fmt: skip
+def test_a_part_that_is_not_there_is_told_in_one_line(geometry, learning, line):
+    with pytest.raises(ConfigError) as caught:
+        load_config({"study": "x", "simulation": {"geometry": geometry}, "learning": learning})
+    (found,) = caught.value.problems
+    assert line in found
+
+
+def test_a_part_is_in_the_target():
+    for part in ("upper", "plate_2", None):
+        config = load_config(
+            {"study": "x", "simulation": {"geometry": CHAIN}, "learning": {"part": part}}
+        )
+        assert target_dict(config)["part"] == part

@@ -24,13 +24,10 @@ from abradem.figures.captions import caption_in_rst
 from abradem.figures.catalogue import (
     ALL_MODELS,
     CALIBRATION,
-    COMPONENTS,
     FIGURES,
-    LINEAR,
     PHYSICAL as PHYSICAL_FIGURES,
     SIMULATIONS,
     SURFACE,
-    TREES,
 )
 from abradem.publish.description import LICENCE
 from abradem.quantities import wear_parts
@@ -243,8 +240,8 @@ def module_of(name):
     return {"module": source, "code": code_of("baselines/baseline", source)}
 
 
-# Figures of the models of a geometry.
-MODEL_GROUPS = (LINEAR, COMPONENTS, TREES, PHYSICAL_FIGURES, ALL_MODELS)
+# Figures of the models of a geometry; those of single models of the paper are made on demand.
+MODEL_GROUPS = (PHYSICAL_FIGURES, ALL_MODELS)
 
 
 def is_made(name):

@@ -45,7 +45,8 @@ class SurrogateBeside:
             warn([f"the surrogate was trained with another set-up: {', '.join(self.differences)}"])
         for name, prediction in found.items():
             line = f"surrogate {self.stem}: {rate_text(self.surrogate, name, prediction)}"
-            if name in rates:
+            # The rates of a simulation are those of the whole surface.
+            if name in rates and not self.surrogate.models[name].target.get("part"):
                 unit = self.surrogate.models[name].target["unit"]
                 line += (
                     f"; simulated {rates[name]:.4g} {unit}, standard error "

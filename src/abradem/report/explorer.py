@@ -21,7 +21,7 @@ from abradem.quantities import quantity
 from abradem.report.explorer_parts import FILES
 from abradem.report.page_data import data_in_script, filled, in_script, stored
 from abradem.surrogate.domain import HARMLESS, NEIGHBOURS, SLACK, Domain
-from abradem.surrogate.geometry_groups import sampled_names
+from abradem.surrogate.geometry_groups import numbers_of, places_of, sampled_names
 from abradem.surrogate.groups import Jet, input_names
 from abradem.surrogate.javascript import group_functions
 from abradem.surrogate.maps import MapSurrogate
@@ -112,7 +112,7 @@ def explorer_data(
     surrogate = Surrogate(description, arrays)
     rows = dataset.sort_values("case_id").head(MOST_CASES)
     sections = sections_of(surrogate.jet)
-    quantities = _quantities(description, sections)
+    quantities = _quantities(description, sections, surrogate.jet.geometry)
     order = [one["name"] for one in quantities]
     varied = [one["name"] for one in quantities if not one["fixed"]]
     return {
@@ -149,7 +149,7 @@ def sections_of(jet: Jet) -> dict[str, tuple[str, ...]]:
 
 
 def _quantities(
-    description: Mapping, sections: Mapping[str, tuple[str, ...]]
+    description: Mapping, sections: Mapping[str, tuple[str, ...]], geometry: Mapping | None
 ) -> list[dict[str, Any]]:
     """The sampled quantities in the order of the page, with ranges, units and limits."""
     ranges = {one["name"]: one["training_range"] for one in description["features"]}
@@ -164,7 +164,7 @@ def _quantities(
         found.append(
             {
                 "name": name,
-                "label": LABELS[name].long_name,
+                "label": _label(name, geometry),
                 "unit": row.unit,
                 "shown_unit": row.config_unit,
                 "factor": row.config_factor,
@@ -180,6 +180,17 @@ def _quantities(
             }
         )
     return found
+
+
+def _label(name: str, geometry: Mapping | None) -> str:
+    """Name of a quantity, with the named plates of a chain that it belongs to."""
+    numbers = numbers_of(geometry)
+    parts = [
+        part
+        for part, place in places_of(geometry).items()
+        if name.startswith(f"{place}_") or numbers.get(f"{place}_angle") == name
+    ]
+    return f"{LABELS[name].long_name} ({', '.join(parts)})" if parts else LABELS[name].long_name
 
 
 def _rate(model: RateModel) -> dict[str, Any]:

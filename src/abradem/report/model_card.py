@@ -45,6 +45,9 @@ _JET_UNITS = {
 }  # fmt: skip
 
 
+_OF_PLATE = ("plate_area", "angle_acts", "arc_radius")
+
+
 def model_card(
     surrogate: Mapping,
     intervals: Mapping,
@@ -103,7 +106,10 @@ def model_card(
             "values": {
                 name: {"value": value, "unit": _JET_UNITS[name]}
                 for name, value in surrogate["jet"].items()
-                if value is not None and name != "geometry"
+                if value is not None
+                and name != "geometry"
+                # Those of the plate mean nothing beside a geometry.
+                and not (geometry is not None and name in _OF_PLATE)
             },
             **({} if geometry is None else {"geometry": _geometry(geometry)}),
         },

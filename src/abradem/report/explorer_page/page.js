@@ -277,7 +277,7 @@
     Plotly.react("curve", traces(one, rate, POINTS, {}, predictions[state.place].rate), {
       font: FONT, margin: { l: 70, r: 12, t: 8, b: 48 }, showlegend: false,
       xaxis: { title: { text: title(one) }, type: one.decades ? "log" : "linear", fixedrange: true },
-      yaxis: { title: { text: "wear depth rate (mm/s)" }, type: log ? "log" : "linear", rangemode: "tozero", exponentformat: "power", fixedrange: true },
+      yaxis: { title: { text: "wear depth rate (mm/s)" }, type: log ? "log" : "linear", automargin: true, rangemode: "tozero", exponentformat: "power", fixedrange: true },
     }, SETTINGS);
     at("curve").setAttribute("aria-label",
       `${rate.place} against ${one.label}, with ${percent(state.confidence)} intervals; now ${short(predictions[state.place].rate)} mm/s`);
