@@ -189,6 +189,11 @@ def test_a_surrogate_of_another_kind_of_surface_is_refused_before_the_simulation
     )  # fmt: skip
     assert code != 0
     assert "predicts the wear of a surface of kind plate, this case has plates" in err[-1]
+    code, _, err = run(
+        capsys, "sweep", "plate_angle=20,30", "--surrogate", "--model", here / "plate"
+    )
+    assert code != 0
+    assert "predicts the wear of a surface of kind plate, this case has plates" in err[-1]
 
 
 def test_a_sweep_takes_lists_of_the_numbers_of_the_geometry(capsys, here):
