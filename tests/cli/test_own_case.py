@@ -13,7 +13,7 @@ from straight_engine import RATE, straight_line
 
 import abradem
 import abradem.dem
-from abradem.cli.case_input import patch_words, read_setup
+from abradem.cli.case_input import middle_of_ranges, patch_words, read_setup
 from abradem.cli.given_values import given_values, swept_values
 from abradem.cli.main import _parser, main
 from abradem.config import load_config, setup_dict
@@ -309,8 +309,6 @@ def test_all_that_is_wrong_is_told_at_once_and_nothing_is_simulated(capsys, aske
          "--map x.vtp: the plate is shown by snakemake vtk (allowed with a geometry)"),
         (["--set", "geometry.kind=arc", "factory_angle=-30deg"],
          "factory_angle: means nothing with geometry.kind: arc (allowed without it)"),
-        (["--set", "geometry.kind=arc", "--model", "m"],
-         "--model m: a surrogate predicts the plate alone (allowed without a geometry)"),
     ],
 )  # fmt: skip
 def test_one_line_says_what_is_wrong(capsys, asked, arguments, line):
@@ -334,8 +332,11 @@ def test_a_geometry_with_ranges_is_in_their_middle(capsys, asked):
     )
     problems = []
     options = _parser().parse_args(["simulate", "--config", "g.yaml"])
-    shape = read_setup(options, problems).setup["geometry"]["shape"]
-    assert problems == [] and shape["radius"] == 0.5 and shape["end"] == 20.0
+    own = read_setup(options, problems)
+    shape = own.setup["geometry"]["shape"]
+    assert problems == [] and shape["radius"] == "arc_radius" and shape["end"] == 20.0
+    assert middle_of_ranges(own, [])["arc_radius"] == 0.5
+    assert "arc_radius" not in middle_of_ranges(own, ["arc_radius"])
 
 
 def test_a_check_of_a_configuration_reads_its_mesh(capsys, here):
@@ -561,9 +562,7 @@ def test_all_that_is_wrong_with_a_sweep_is_told_at_once(capsys, asked):
          "--seed is for simulations, without --surrogate"),
         (["plate_angle=0,3", "--set", "geometry.kind=arc"],
          "plate_angle: means nothing with geometry.kind: arc (allowed without it)"),
-        (["restitution=0.3,0.5", "--surrogate", "--set", "geometry.kind=arc"],
-         "--surrogate predicts the plate alone (allowed without a geometry)"),
-        (["restitution=0.3,0.5", "--geometry", "none.stl", "--output", "s.csv"],
+        (["plate_angle=0,3", "--geometry", "none.stl", "--output", "s.csv"],
          "no case can be simulated: none.stl: there is no such file"),
         (["plate_angle=0,3", "--surrogate"],
          "results/default/models/surrogate.json: there is no such file"),

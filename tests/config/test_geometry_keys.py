@@ -233,3 +233,30 @@ def test_the_typical_case_of_a_geometry_is_inside_its_ranges():
     assert case["particle_radius"] == pytest.approx(0.025)
     assert case["particle_velocity_y"] == -3.0
     assert case["arc_radius"] == 0.5 and case["plate_angle"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("geometry", "learning", "line"),
+    [
+        ({"kind": "plate"}, {"part": "upper"},
+         'learning.part: "upper": is for a simulated geometry'),
+        (CHAIN, {"part": "middle"},
+         'learning.part: "middle": there is no such plate (allowed upper, plate_2)'),
+        (CHAIN, {"part": "upper", "fresh_blocks": 1},
+         "learning.fresh_blocks: 1: knows no parts (allowed 0 with learning.part)"),
+        (CHAIN, {"part": " "}, 'learning.part: " ": must not be empty'),
+    ],
+)  # fmt: skip
+def test_a_part_that_is_not_there_is_told_in_one_line(geometry, learning, line):
+    with pytest.raises(ConfigError) as caught:
+        load_config({"study": "x", "simulation": {"geometry": geometry}, "learning": learning})
+    (found,) = caught.value.problems
+    assert line in found
+
+
+def test_a_part_is_in_the_target():
+    for part in ("upper", "plate_2", None):
+        config = load_config(
+            {"study": "x", "simulation": {"geometry": CHAIN}, "learning": {"part": part}}
+        )
+        assert target_dict(config)["part"] == part

@@ -23,7 +23,7 @@ rule figures:
         ),
 
 
-if SIMULATED:
+if ON_PLATE:
 
     # Figures of single cases depend only on the batches of these cases, so that new blocks do not
     # redraw them.
@@ -185,7 +185,9 @@ rule figure_coefficients:
         "../envs/abradem.yaml"
     params:
         **drawn_as("coefficients"),
-        options={name: TARGET[name] for name in ("element_size", "known")},
+        options={
+            name: TARGET[name] for name in ("element_size", "known", "cells", "part")
+        },
     script:
         "../scripts/figures/figure.py"
 
@@ -203,7 +205,9 @@ rule figure_predicted_linear:
         "../envs/abradem.yaml"
     params:
         **drawn_as("predicted_linear"),
-        options={name: TARGET[name] for name in ("element_size", "known")},
+        options={
+            name: TARGET[name] for name in ("element_size", "known", "cells", "part")
+        },
     script:
         "../scripts/figures/figure.py"
 
@@ -395,7 +399,7 @@ rule figure_architecture:
 rule figure_distributions:
     """Distributions of standardised wear, predictions and errors."""
     input:
-        dataset=rules.dataset.output[0],
+        dataset=ROWS,
         predictions=rules.scores.output.predictions,
     output:
         figure_files("distributions"),

@@ -50,6 +50,26 @@ rule cells:
         "../scripts/geometry/cells.py"
 
 
+if CONFIG.learning.part is not None:
+
+    rule part_rows:
+        """The rows of the data set with the wear of the part that the models explain."""
+        input:
+            dataset=f"{RESULTS}/dataset.parquet",
+            parts=rules.cells.output.parts,
+        output:
+            f"{RESULTS}/learning/part_rows.parquet",
+        log:
+            f"{LOGS}/part_rows.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            part=CONFIG.learning.part,
+            code=code_of("geometry/part_rows"),
+        script:
+            "../scripts/geometry/part_rows.py"
+
+
 rule part_effects:
     """What the quantities of the study do to the wear of each part, and the answer in words."""
     input:

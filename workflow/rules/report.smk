@@ -5,7 +5,7 @@ if not IN_MODULE:
 
 # Tables that the report shows, see abradem.report.tables. The Parquet files are the data.
 TABLE_FILES = {
-    "dataset": rules.dataset.output[0],
+    "dataset": ROWS,
     "linear_coefficients": rules.linear.output.coefficients,
     "linear_published": rules.linear.output.published,
     "penalised_weights": rules.penalised.output.weights,
@@ -15,7 +15,7 @@ TABLE_FILES = {
     "beside_paper": rules.scores.output.beside_paper,
     "error_by_region": rules.scores.output.by_region,
     "power_law": rules.fit_physical.output.exponents,
-    "exponents": rules.exponents.output[0],
+    **({} if WEARS_SURFACE else {"exponents": rules.exponents.output[0]}),
     "targets": rules.reach.output.targets,
     "extrapolation": rules.reach.output.extrapolation,
     "sobol": rules.sensitivity.output.indices,
@@ -65,7 +65,8 @@ rule documents:
         f"{RESULTS}/scene.html" if SIMULATED else [],
         f"{RESULTS}/config.yaml",
         f"{RESULTS}/versions.json",
-        expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
+        # Texts for a paper are about the plate.
+        [] if WEARS_SURFACE else expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
 
 
 rule table:
@@ -96,7 +97,7 @@ rule table:
 rule summary:
     """Headline numbers for the overview of the report."""
     input:
-        dataset=rules.dataset.output[0],
+        dataset=ROWS,
         failures=rules.failures.output[0] if SIMULATED else [],
         linear=rules.linear.output.summary,
         comparison=rules.scores.output.comparison,
@@ -149,12 +150,12 @@ rule findings:
         extrapolation=rules.reach.output.extrapolation,
         indices=rules.sensitivity.output.indices,
         falls=rules.sensitivity.output.falls,
-        exponents=rules.exponents.output[0],
+        exponents=[] if WEARS_SURFACE else rules.exponents.output[0],
         comparison=rules.scores.output.comparison,
         by_region=rules.scores.output.by_region,
         fresh=FRESH_SUMMARY[0] if TESTED_WITH else [],
         noise=NOISE_SUMMARY,
-        speed=rules.speed_up.output[0] if SIMULATED else [],
+        speed=rules.speed_up.output[0] if ON_PLATE else [],
     output:
         report(
             f"{RESULTS}/models/findings.html",
@@ -195,7 +196,11 @@ rule model_card:
         "../envs/abradem.yaml"
     params:
         said={
-            "ranges": sampled_ranges(CONFIG) if SIMULATED else None,
+            "ranges": (
+                {**sampled_ranges(CONFIG), **geometry_ranges(CONFIG)}
+                if SIMULATED
+                else None
+            ),
             "software": abradem.__version__,
             "licence": LICENCE if SIMULATED else None,
             "confidence": LEARNING.confidence,
@@ -208,11 +213,11 @@ rule model_card:
 rule explorer:
     """The explorer, a page that predicts wear while sliders are moved."""
     input:
-        dataset=rules.dataset.output[0],
+        dataset=ROWS,
         model=rules.surrogate.output.model,
         model_arrays=rules.surrogate.output.model_arrays,
-        maps=rules.wear_maps.output.model if SIMULATED else [],
-        map_arrays=rules.wear_maps.output.model_arrays if SIMULATED else [],
+        maps=rules.wear_maps.output.model if ON_PLATE else [],
+        map_arrays=rules.wear_maps.output.model_arrays if ON_PLATE else [],
     output:
         report(
             f"{RESULTS}/explorer.html",

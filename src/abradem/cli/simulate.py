@@ -14,11 +14,13 @@ from abradem.cli.case_input import (
     headline,
     load_kernels,
     middle_of_ranges,
+    own_geometry,
     patch_words,
     progress_line,
     read_setup,
     say_origins,
     unused_values,
+    with_given_numbers,
 )
 from abradem.cli.given_values import Given, given_values, impossible_values
 from abradem.surrogate.model import PredictionError
@@ -157,11 +159,13 @@ def _scene_problems(options: argparse.Namespace, setup: dict) -> list[str]:
 def _own_case(options: argparse.Namespace, problems: list[str]) -> int:
     """Simulate the case that the options describe."""
     given = Given({}, {})
+    of_setup: list[str] = []
+    own = read_setup(options, of_setup)
     try:
-        given = given_values(options.values, options.material)
+        given = given_values(options.values, options.material, own_geometry(own))
     except PredictionError as error:
         problems += str(error).splitlines()
-    own = read_setup(options, problems)
+    problems += of_setup
     problems += impossible_values(given.values)
     problems += unused_values(own, given.values)
     problems += _scene_problems(options, own.setup) if own is not None else []
@@ -172,6 +176,7 @@ def _own_case(options: argparse.Namespace, problems: list[str]) -> int:
     from abradem.dem.model import Setup
     from abradem.sampling.checks import check_case
 
+    own = with_given_numbers(own, given.values)
     filled = middle_of_ranges(own, given.values)
     values = {**given.values, **filled}
     try:
@@ -180,7 +185,7 @@ def _own_case(options: argparse.Namespace, problems: list[str]) -> int:
         reason = str(error)
     if reason:
         raise InputError(f"this case cannot be simulated: {reason}")
-    surrogate = surrogate_beside(options.model, own)
+    surrogate = surrogate_beside(options.model, own, values)
     say_origins(given, own, filled)
     row = {"case_id": 0, "block": 0, "seed": own.seed, "rejected": "", **values}
     rates = _simulated(row, own.setup, own.config, options, "")

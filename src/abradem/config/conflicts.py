@@ -27,6 +27,7 @@ def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
     yield from _feed_conflicts(simulation.factory)
     yield from _size_conflicts(config)
 
+    yield from _part_conflicts(config)
     if simulation.geometry.kind == "plate":
         yield from _plate_conflicts(config)
     else:
@@ -104,6 +105,24 @@ def _plate_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             ("simulation", "factory", "arc_radius_mm"),
             f"must be less than the fall height (allowed below {factory.fall_height_mm:g} mm)",
         )
+
+
+def _part_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    """Yield where the part that the models explain is not there."""
+    part, geometry = config.learning.part, config.simulation.geometry
+    if part is None:
+        return
+    above = ("learning", "part")
+    if geometry.kind == "plate" or config.dataset.external is not None:
+        yield above, "is for a simulated geometry (allowed null for a plate or a table)"
+    elif geometry.kind == "plates":
+        names = [
+            plate.get("name") or f"plate_{place}" for place, plate in enumerate(geometry.plates, 1)
+        ]
+        if part not in names:
+            yield above, f"there is no such plate (allowed {', '.join(names)})"
+    if config.learning.fresh_blocks:
+        yield ("learning", "fresh_blocks"), "knows no parts (allowed 0 with learning.part)"
 
 
 def _geometry_conflicts(config: Config) -> Iterator[tuple[Key, str]]:

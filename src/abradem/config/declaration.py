@@ -887,6 +887,13 @@ class Learning(Section):
     target: Literal[_TARGETS] = _key(  # type: ignore[valid-type]  # names of a table
         "wear_friction_p99", "Column of the data set to predict."
     )
+    part: Text | None = _key(
+        None,
+        "Named part of simulation.geometry whose wear the models explain, such as a plate of a "
+        "chain or a solid of a mesh; null: the whole surface. The rates of a part have no standard "
+        "error.",
+        allowed="the name of a part or null",
+    )
     test_share: float = _key(
         0.2, "Share of the cases held out as test set of each fit (leakage-free).", ge=0.05, le=0.9
     )

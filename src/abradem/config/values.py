@@ -88,6 +88,7 @@ def target_dict(config: Config) -> dict:
         "element_size": size / 1000.0 if simulated and not cells else None,
         "known": simulated or config.dataset.rate == STATED,
         "cells": cells,
+        "part": config.learning.part,
     }
 
 

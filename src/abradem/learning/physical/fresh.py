@@ -15,6 +15,7 @@ from abradem.learning.physical.problem import WearProblem
 from abradem.learning.regions import Region, regions_of
 from abradem.learning.scores import r2, score
 from abradem.quantities import SAMPLED_NAMES
+from abradem.surrogate.groups import input_names
 from abradem.surrogate.model import Surrogate
 
 EVERYWHERE = Region("all", "all cases", SAMPLED_NAMES[0], 0.0, np.inf)
@@ -43,7 +44,7 @@ def coverage_of_fresh(
         many are in their band; ``scores``, the metrics of `abradem.learning.scores.score` and
         ``R2_number``.
     """
-    values = dict(zip(SAMPLED_NAMES, fresh.inputs.T, strict=True))
+    values = dict(zip(input_names(fresh.jet), fresh.inputs.T, strict=True))
     y = fresh.table.target
     inside = {}
     for level in REPORTED:
