@@ -96,8 +96,9 @@ def test_a_crowded_jet_is_the_same_bits(monkeypatch, stepping, threads):
 
     monkeypatch.setattr(parallel, "advance", noted)
     setup = dataclasses.replace(CROWDED, plate_length=0.25, plate_width=0.25, removal_depth=0.02)
-    problem, schedule = make_problem(CASE, setup)
-    last = int(0.12 / problem.dt)
+    case = dataclasses.replace(CASE, particle_radius=0.008)
+    problem, schedule = make_problem(case, setup)
+    last = int(0.13 / problem.dt)
     alone, _ = advanced(problem, schedule, "islands", 1, [last])
     engine = Engine(problem, schedule, stepping, None, threads)
     if stepping == "islands":
