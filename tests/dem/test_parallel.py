@@ -119,7 +119,7 @@ def test_a_crowded_jet_is_the_same_bits(monkeypatch, stepping, threads):
     [
         (0.01, 35.0, dataclasses.replace(CROWDED, duration=1.0)),
         (0.01, 10.0, dataclasses.replace(CROWDED, duration=0.5)),
-        (0.005, 0.0, Setup(duration=0.6, time_step_fraction=0.2)),
+        (0.005, 0.0, Setup(duration=0.5, time_step_fraction=0.2)),
     ],
 )
 def test_whole_simulations_are_the_same_bits(radius, angle, setup):

@@ -55,10 +55,10 @@ rule simulate:
         f"{RESULTS}/benchmarks/simulate/block-{{block}}-batch-{{batch}}.tsv"
     # Longest batches first, so that all cores finish at about the same time.
     priority: seconds_of_batch
-    # Results do not depend on it, so it is no parameter.
-    threads: CONFIG.threads
     conda:
         "../envs/abradem.yaml"
+    # Results do not depend on it, so it is no parameter.
+    threads: CONFIG.threads
     resources:
         mem_mb=growing(BATCH_MB),
         runtime=growing(BATCH_MINUTES),
