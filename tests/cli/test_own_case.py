@@ -384,6 +384,36 @@ def test_the_real_kernels_are_found_in_the_cache_once_they_are_loaded():
     assert cache.is_compiled("islands")
 
 
+# Threads
+
+
+@pytest.mark.parametrize(
+    ("options", "threads"),
+    [((), 1), (("--threads", "3"), 3), (("--set", "simulation.threads=2"), 2)],
+)
+def test_threads_are_those_asked_for_or_of_the_configuration(
+    monkeypatch, capsys, asked, options, threads
+):
+    given, loaded = [], []
+
+    def simulate(case, setup, threads=1):
+        given.append(threads)
+        return straight_line(case, setup)
+
+    monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
+    monkeypatch.setattr("abradem.cli.simulate.load_kernels", loaded.append)
+    assert run(capsys, "simulate", *options)[0] == 0
+    assert given == [threads]
+    assert loaded == ["islands"] + ["parallel"] * (threads > 1)
+
+
+@pytest.mark.parametrize("text", ["0", "65", "1.5", "many"])
+def test_a_number_of_threads_that_is_impossible_is_refused(capsys, asked, text):
+    with pytest.raises(SystemExit):
+        main(["simulate", "--threads", text])
+    assert f"'{text}' is not a number of threads (allowed 1 ... 64)" in capsys.readouterr().err
+
+
 # Lists and ranges
 
 

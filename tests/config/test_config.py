@@ -1026,6 +1026,19 @@ def test_estimate_is_one_line_that_counts_cases_blocks_and_jobs(compiled, monkey
     assert line.endswith(" on 2 cores" if compiled else f" on 2 cores, {effort.COMPILES}")
 
 
+def test_threads_change_no_setup_and_a_geometry_uses_one():
+    """What determines a case is the set-up, which is a parameter of the rules."""
+    one, four = (
+        Config.model_validate({"study": "a", "simulation": {"threads": threads}})
+        for threads in (1, 4)
+    )
+    assert setup_dict(one) == setup_dict(four)
+    assert (one.threads, four.threads) == (1, 4)
+    chute = {"kind": "mesh", "mesh": {"file": "chute.stl"}}
+    study = {"study": "a", "simulation": {"threads": 4, "geometry": chute}}
+    assert Config.model_validate(study).threads == 1
+
+
 def seconds_told(config, cores):
     """The run time that the line states, s."""
     line = estimate(config, cores=cores)

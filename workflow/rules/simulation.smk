@@ -64,6 +64,8 @@ rule simulate:
     priority: seconds_of_batch
     conda:
         "../envs/abradem.yaml"
+    # Results do not depend on it, so it is no parameter.
+    threads: CONFIG.threads
     resources:
         mem_mb=growing(BATCH_MB),
         runtime=growing(BATCH_MINUTES),

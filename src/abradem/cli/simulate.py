@@ -92,6 +92,13 @@ def add_simulate(commands) -> None:
         metavar="S",
         help="simulated seconds between snapshots; default: that of the study",
     )
+    parser.add_argument(
+        "--threads",
+        type=_threads,
+        metavar="N",
+        help="threads that share a crowd of particles, 1 to 64; the result does not depend on "
+        "them; default: simulation.threads of the configuration",
+    )
     parser.set_defaults(run=run_simulate)
 
 
@@ -103,6 +110,20 @@ def _positive(text: str) -> float:
     if not (value > 0.0 and math.isfinite(value)):
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
     return value
+
+
+def _threads(text: str) -> int:
+    from abradem.dem.model import MOST_THREADS
+
+    try:
+        number = int(text)
+    except ValueError:
+        number = 0
+    if not 1 <= number <= MOST_THREADS:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a number of threads (allowed 1 ... {MOST_THREADS})"
+        )
+    return number
 
 
 def run_simulate(options: argparse.Namespace) -> int:
@@ -219,6 +240,7 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
     from abradem.wear.rates import wear_rates
 
     progress, clear = None, lambda: None
+    threads = options.threads or config.threads
     if not row["rejected"]:
         if setup.get("geometry"):
             from abradem.geometry.build import factory_of
@@ -235,9 +257,11 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
             )
         else:
             load_kernels(setup["stepping"])
+            if threads > 1:
+                load_kernels("parallel")
         progress, clear = progress_line(setup)
     try:
-        tables = run_case(row, setup, progress)
+        tables = run_case(row, setup, progress, threads)
     finally:
         clear()
     cases = pd.DataFrame([row])

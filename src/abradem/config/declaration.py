@@ -644,6 +644,14 @@ class Simulation(Section):
         "Time stepping: islands skips the time in which nothing touches, synchronous steps every "
         "particle in every step. Both give bitwise equal results.",
     )
+    threads: int = _key(
+        1,
+        "Threads of one simulation, for a machine with more cores than jobs: they share the "
+        "particles of crowds. Results do not depend on it, and a change repeats nothing. Leave 1 "
+        "where the jobs of a study fill the cores; a geometry other than the plate always uses 1.",
+        ge=1,
+        le=64,
+    )
     time_step_rayleigh_fraction: float = _key(
         0.2,
         "Time step as a fraction of the Rayleigh time of the particle. With 0.15 an impact near "
@@ -1274,3 +1282,8 @@ class Config(Section):
     def jobs(self) -> int:
         """Number of simulation jobs: the batches of all blocks."""
         return self.sampling.blocks * len(self.batches)
+
+    @property
+    def threads(self) -> int:
+        """Number of threads of a simulation job; with a geometry one, as the engine uses one."""
+        return self.simulation.threads if self.simulation.geometry.kind == "plate" else 1

@@ -22,6 +22,9 @@ CROWD, THIN = 0.28, 0.2
 """Shares of the particles that touch something, above which `synchronous` takes over and up to
 which it hands back. What is faster changes between these shares, see docs/notes/performance.md."""
 
+SOONER = 1.5
+"""Power of the number of threads with which these shares fall."""
+
 FEW, TALL = 256, 4.0
 """Room for particles up to which cells are taller than wide, by this factor: a thin jet then falls
 through fewer cells, and few particles are in each."""
@@ -76,6 +79,8 @@ CLOCK = np.dtype(
         ("crowded", np.int64),
         ("crowd", np.float64),
         ("thin", np.float64),
+        # Number of threads that step a crowd.
+        ("threads", np.int64),
     ]
 )
 
@@ -114,8 +119,11 @@ class Agenda(NamedTuple):
     begun: np.ndarray
 
 
-def make_agenda(problem: Problem, capacity: int) -> Agenda:
-    """Return an empty agenda with room for ``capacity`` particles."""
+def make_agenda(problem: Problem, capacity: int, threads: int = 1) -> Agenda:
+    """Return an empty agenda with room for ``capacity`` particles.
+
+    The more threads there are, the sooner they take over from `islands`.
+    """
     agenda = Agenda(
         clock=np.zeros(1, CLOCK),
         plans=np.zeros(capacity, PLAN),
@@ -128,7 +136,9 @@ def make_agenda(problem: Problem, capacity: int) -> Agenda:
     )
     agenda.clock["bits"] = _bits(capacity)
     agenda.clock["tall"] = TALL if capacity <= FEW else 1.0
-    agenda.clock["crowd"], agenda.clock["thin"] = CROWD, THIN
+    agenda.clock["crowd"] = CROWD / threads**SOONER
+    agenda.clock["thin"] = THIN / threads**SOONER
+    agenda.clock["threads"] = threads
     return agenda
 
 

@@ -82,11 +82,12 @@ def _private_folder() -> Path:
     return folder
 
 
-def kernel(function=None, *, inline: bool = False):
+def kernel(function=None, *, inline: bool = False, nogil: bool = False):
     """Compile ``function`` with numba and cache its machine code in `cache_folder`.
 
     With ``inline`` the function is inlined into its callers: a call that passes the state of a
-    simulation, dozens of arrays, costs more than most steps of a particle.
+    simulation, dozens of arrays, costs more than most steps of a particle. With ``nogil`` other
+    threads of Python run while it does.
 
     numba chooses the folder when a function is decorated, so its setting is changed only during
     the decoration. Division by zero follows IEEE 754, as in numpy.
@@ -99,7 +100,7 @@ def kernel(function=None, *, inline: bool = False):
         `abradem.dem.before_numba`.
     """
     if function is None:
-        return functools.partial(kernel, inline=inline)
+        return functools.partial(kernel, inline=inline, nogil=nogil)
     import numba
 
     if numba.config.DISABLE_JIT:
@@ -110,7 +111,9 @@ def kernel(function=None, *, inline: bool = False):
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:
-        compiled = numba.njit(cache=True, error_model="numpy", forceinline=inline)(function)
+        compiled = numba.njit(cache=True, error_model="numpy", forceinline=inline, nogil=nogil)(
+            function
+        )
     finally:
         numba.config.CACHE_DIR = before
     _make_robust(compiled)

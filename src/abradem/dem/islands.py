@@ -55,6 +55,7 @@ from abradem.dem.state import (
     DONE,
     FLYING,
     GONE,
+    NEEDS_TEAM,
     OVERLAP_STOP,
     STOP_CROWDED,
     STOP_OVERLAP,
@@ -64,7 +65,7 @@ from abradem.dem.state import (
 from abradem.dem.vectors import dot, scaled
 
 SMALLEST_CROWD = 256
-"""Number of particles from which on `synchronous` can take over."""
+"""Number of particles for each thread from which on `synchronous` can take over."""
 
 CROWD_STEPS = 5000
 """Number of steps after which `synchronous` may hand back."""
@@ -78,9 +79,11 @@ def advance(problem, schedule, state, agenda, last_step):
     outcome = DONE
     while tally.step < last_step and outcome == DONE:
         if clock.crowded != 0:
+            if clock.threads > 1:
+                return NEEDS_TEAM
             until = min(last_step, tally.step + CROWD_STEPS)
             outcome = synchronous.advance(problem, schedule, state, until)
-            if outcome == DONE and not _resume_if_thinned(problem, state, agenda):
+            if outcome == DONE and not resume_if_thinned(problem, state, agenda):
                 outcome = STOP_CROWDED
             continue
         if clock.bits == 0 and not plan_all(problem, state, agenda):
@@ -99,7 +102,7 @@ def advance(problem, schedule, state, agenda, last_step):
             if tally.step >= min(tally.next_release, last_step):
                 continue
         outcome = _step(problem, state, agenda)
-        if clock.awake > clock.crowd * tally.live and tally.live > SMALLEST_CROWD:
+        if clock.awake > clock.crowd * tally.live and tally.live > SMALLEST_CROWD * clock.threads:
             _refresh(problem, state)
             # `synchronous` then builds its pair list in the first step.
             tally.drift = np.inf
@@ -445,7 +448,7 @@ def _sort_open(tally, pairs):
 
 
 @kernel
-def _resume_if_thinned(problem, state, agenda):
+def resume_if_thinned(problem, state, agenda):
     """Take over from `synchronous` if few particles touch; False if a row is full."""
     tally, particles = state.tally[0], state.particles
     touching = 0

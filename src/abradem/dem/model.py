@@ -19,6 +19,9 @@ NORMAL_LAWS = ("exact_e", "nominal_clipped", "nominal_attractive")
 TANGENTIAL_LAWS = ("incremental", "displacement")
 TANGENTIAL_DAMPINGS = ("capped", "none", "uncapped")
 STEPPINGS = ("islands", "synchronous")
+MOST_THREADS = 64
+"""Largest number of threads of one simulation."""
+
 ANGLE_ACTS = ("tilt", "level", "arc")
 
 

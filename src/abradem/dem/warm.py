@@ -12,11 +12,14 @@ CASE = Case(6e9, 0.25, 2500, 77e9, 0.3, 7800, 0.5, 0.05, 0.45, 1e-9, 45.0, 0.0, 
 
 @cache
 def load(stepping: str) -> None:
-    """Run a short simulation with a stepping, once per process.
+    """Run a short simulation with a stepping, or ``parallel`` with two threads, once per process.
 
-    Loading its kernels takes half a second, compiling them half a minute.
+    Loading the kernels takes half a second, compiling them half a minute.
     """
-    simulate(CASE, Setup(duration=0.02, stepping=stepping))
+    if stepping == "parallel":
+        simulate(CASE, Setup(duration=0.02, stepping="synchronous"), threads=2)
+    else:
+        simulate(CASE, Setup(duration=0.02, stepping=stepping))
 
 
 def warm() -> None:

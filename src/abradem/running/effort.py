@@ -78,7 +78,9 @@ def estimate(config: Config, cores: int | None = None) -> str:
     each = sum(spent.sum() for spent in looked_at) / (blocks * size)
     # The most expensive batch starts first, but cores cannot share it.
     longest = max(spent[start:stop].sum() for spent in looked_at for start, stop in config.batches)
-    shared = (config.cases * each + jobs * SECONDS_PER_JOB) / min(cores, jobs)
+    # Only crowds use the threads of a job, so that they are taken to gain nothing.
+    at_once = min(max(cores // config.threads, 1), jobs)
+    shared = (config.cases * each + jobs * SECONDS_PER_JOB) / at_once
     seconds = max(shared, longest + SECONDS_PER_JOB)
     return (
         f"{config.study}: {_count(config.cases, 'case')} in {_count(sampling.blocks, 'block')}, "
