@@ -698,7 +698,8 @@ class WearRate(Section):
 
     min_batches: int = _key(
         20,
-        "Smallest number of equal batches for a rate and its standard error.",
+        "Smallest number of equal batches for a rate and its standard error; twice as many are used "
+        "where the samples suffice.",
         ge=20,
         le=10_000,
     )
