@@ -45,12 +45,12 @@ from abradem.dem.borrow import borrowed_state
 from abradem.dem.cache import kernel
 from abradem.dem.cells import cell_of, enter_cell, leave_cell
 from abradem.dem.factory import release_due
-from abradem.dem.flights import plan_flights, plan_pairs
+from abradem.dem.flights import forget_meeting, plan_flights, plan_pairs
 from abradem.dem.mesh_contact import touch_surface
 from abradem.dem.motion import finish, fly_to, move, remove_if_fallen, touch_pair, touch_plate
 from abradem.dem.neighbours import compact
 from abradem.dem.plate import height_over
-from abradem.dem.rows import distance2_to, make_rows, note_in_row, steps_apart
+from abradem.dem.rows import BLOW, distance2_to, make_rows, note_in_row, steps_apart
 from abradem.dem.state import (
     DONE,
     FLYING,
@@ -131,11 +131,16 @@ def _step(problem, state, agenda):
     hasty = 0
     for k in range(clock.awake):
         i = awake[k]
+        plan = plans[i]
         dx, dy, dz = move(problem, particles[i], tally.step)
-        if dx * dx + dy * dy + dz * dz > plans[i].stride2 or plans[i].row_until < now:
+        dx -= problem.dt * plan.course_x
+        dy -= problem.dt * plan.course_y
+        dz -= problem.dt * plan.course_z
+        if dx * dx + dy * dy + dz * dz > plan.stray2 or plan.row_until < now:
             agenda.lists[LANDED, hasty] = i
             hasty += 1
-    # Rows that assumed a lower pace are made again before contacts are looked for.
+    # Rows of particles that strayed farther than assumed are made again before contacts are
+    # looked for.
     if hasty > 0 and not make_rows(problem, state, agenda, LANDED, hasty, now, now):
         return STOP_CROWDED
 
@@ -213,6 +218,7 @@ def _meet_due(problem, state, agenda, now):
     for k in range(count):
         i = lists[DUE, k]
         plan = plans[i]
+        forget_meeting(state, plan, now)
         if min(plan.meet_due, plan.leave_due) <= now:
             for m in range(plan_pairs(problem, state, agenda, i, now)):
                 _begin(problem, state, agenda, i, lists[NEIGHBOURS, m], now)
@@ -248,7 +254,7 @@ def _check_row(problem, state, agenda, i, now):
                 _begin(problem, state, agenda, i, j, now)
                 continue
             horizon = problem.dt * (plan.row_until - now)
-            check = steps_apart(problem, agenda, a, plan.pace, b, j, distance2, now, horizon)
+            check = steps_apart(problem, agenda, a, plan, b, j, distance2, now, horizon)
             near.next_check = max(check, now + 1)
         first = min(first, near.next_check)
     plan.row_next = first
@@ -259,7 +265,8 @@ def _check_row(problem, state, agenda, i, now):
 def _clear_row(plan):
     """Have a particle that is awake from now on without a row."""
     plan.impact = 0.0
-    plan.pace = 0.0
+    plan.course_x = plan.course_y = plan.course_z = 0.0
+    plan.stray = 0.0
     plan.row_size = 0
     plan.row_next = NEVER
     plan.row_until = -1
@@ -312,7 +319,7 @@ def _begin(problem, state, agenda, i, j, now):
     _attend(problem, state, agenda, j, now)
     impact = _relative_speed(problem, state.particles[i], state.particles[j], now)
     for k in (i, j):
-        if impact > agenda.plans[k].pace:
+        if BLOW * impact > agenda.plans[k].stray:
             agenda.plans[k].impact = max(agenda.plans[k].impact, impact)
     # Too many contacts are noticed when they are merged.
     if clock.begun < begun.size:
@@ -413,6 +420,7 @@ def plan_all(problem, state, agenda):
             continue
         enter_cell(agenda, i, cell_of(problem, agenda, particle.x, particle.y, particle.z))
         plan.plate_due = plan.meet_due = tally.step
+        plan.meet_with = -1
         plan.awake = 1 if particle.motion == TOUCHING else 0
         if plan.awake != 0:
             _clear_row(plan)
@@ -487,6 +495,9 @@ def _compact(state, agenda):
                 rows[i, size].next_check = rows[i, m].next_check
                 size += 1
         plans[i].row_size = size
+    for i in range(tally.live):
+        if target[i] >= 0 and plans[target[i]].meet_with >= 0:
+            plans[target[i]].meet_with = target[plans[target[i]].meet_with]
     compact(state)
     agenda.queue[:] = -1
     agenda.cells[:] = -1
