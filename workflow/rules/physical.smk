@@ -68,6 +68,8 @@ rule fit_physical:
         process_arrays=f"{RESULTS}/models/gaussian_process.safetensors",
     log:
         f"{LOGS}/fit_physical.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/fit_physical.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -94,6 +96,8 @@ rule intervals:
         summary=f"{RESULTS}/learning/intervals.json",
     log:
         f"{LOGS}/intervals.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/intervals.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -117,6 +121,8 @@ rule local_wear:
         local_arrays=f"{RESULTS}/learning/local_wear.safetensors",
     log:
         f"{LOGS}/local_wear.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/local_wear.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -157,6 +163,8 @@ rule surrogate:
         predictions=f"{RESULTS}/learning/surrogate_predictions.parquet",
     log:
         f"{LOGS}/surrogate.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/surrogate.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -190,6 +198,8 @@ rule sensitivity:
         summary=f"{RESULTS}/learning/sensitivity.json",
     log:
         f"{LOGS}/sensitivity.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/sensitivity.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -219,6 +229,8 @@ rule reach:
         targets=f"{RESULTS}/learning/targets.parquet",
     log:
         f"{LOGS}/reach.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/reach.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -258,6 +270,8 @@ if SIMULATED:
             scores=f"{RESULTS}/learning/map_scores.parquet",
         log:
             f"{LOGS}/wear_maps.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/wear_maps.tsv"
         conda:
             "../envs/abradem.yaml"
         resources:

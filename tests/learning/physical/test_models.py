@@ -332,6 +332,16 @@ def test_rows_beyond_a_bound_are_not_trained_on(given):
 # Findings
 
 
+FRESH = {
+    "cases": 200,
+    "rates": [
+        {"target": "wear_total_max", "in_band": 23, "shares": 24,
+         "scores": {"R2": 0.9876, "R2_number": 0.9}},
+        {"target": "wear_total_mean", "in_band": 22, "shares": 24},
+    ],
+}  # fmt: skip
+
+
 def test_the_findings_repeat_the_numbers(given):
     models = makers(1, **HASTY)
     results, exponents, summary, (description, arrays) = fit_physical(given, models, repeats=2)
@@ -354,7 +364,7 @@ def test_the_findings_repeat_the_numbers(given):
         findings(
             summary, intervals, {"scores": summary["scores"][PROCESS]}, verdict(indices),
             curve, extrapolate(given, models), indices, falls, comparison,
-            error_by_region(predictions, law()), None, floor,
+            error_by_region(predictions, law()), FRESH, floor,
             speed,
         )
     )  # fmt: skip
@@ -365,6 +375,11 @@ def test_the_findings_repeat_the_numbers(given):
     assert "the part that they learn: power law" in text["Comparison"]
     assert f"Gaussian process {number:.4f} (" in text["Comparison"]
     assert "20 thousand times faster" in text["Speed"]
+    assert (
+        "23 of 24 shares by region are in their bands; R2 of the wear is there 0.9876"
+        in (text["Intervals"])
+    )
+    assert text["Intervals"].endswith("places of the plate: mean over the plate 22 of 24.")
     assert summary["equation"] in text["Power law"]
     assert "Archard wear constant (" in text["Sensitivity"]
     assert f"causes the largest fall of R2 ({falls['fall'].max():.2f})" in text["Sensitivity"]
