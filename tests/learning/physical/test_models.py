@@ -1,6 +1,7 @@
 """Models on dimensionless groups: no leakage, calibration, noise floor, findings."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -8,6 +9,7 @@ import pytest
 from scipy import stats
 from tables import product_law
 
+from abradem.config import read_config, setup_dict
 from abradem.learning.comparison import compare, join_tables, number_scores, with_scale
 from abradem.learning.physical import noise_floor as noise
 from abradem.learning.physical.intervals import calibrate
@@ -36,7 +38,7 @@ from abradem.learning.regions import error_by_region
 from abradem.learning.scores import r2
 from abradem.quantities import STDERR_COLUMNS, WEAR_COLUMNS
 from abradem.report.findings import findings, to_html
-from abradem.surrogate.groups import Jet
+from abradem.surrogate.groups import Jet, jet_of
 from abradem.wear.replicates import choose_cases, replicate
 
 JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
@@ -396,18 +398,16 @@ def test_tables_too_small_for_anything_still_give_results():
 
 
 @pytest.mark.skipif(AUTHORS_TABLE not in os.environ, reason=f"{AUTHORS_TABLE} names no file")
-def test_half_of_the_studys_table_is_predicted_in_cross_validation():
+def test_half_of_the_published_table_is_predicted_in_cross_validation():
+    """As docs/notes/learning.md says, with the plate of the default study."""
     from abradem.dataset.external import read_external
 
-    given = problem(read_external(os.environ[AUTHORS_TABLE]), JET)
+    jet = jet_of(setup_dict(read_config(Path(__file__).parents[3] / "config.yaml")))
+    given = problem(read_external(os.environ[AUTHORS_TABLE]), jet)
     found = []
-    for seed in range(10):
+    for seed in range(4):
         predicted = np.empty(len(given.log_number))
         for train, test in folds(given.table.groups, 5, seed):
-            model = makers(1)[PROCESS]().fit(
-                given.groups[train], given.log_number[train], given.error[train]
-            )
-            predicted[test] = given.wear(test, model.predict(given.groups[test]))
-        found.append(r2(given.table.target, predicted))
-    assert np.median(found) >= 0.95
-    assert np.mean(found) >= 0.94
+            predicted[test] = fitted(makers(1)[PROCESS], given, train).predict(given.groups[test])
+        found.append(r2(given.table.target, given.wear(np.arange(len(predicted)), predicted)))
+    assert np.mean(found) == pytest.approx(0.975, abs=0.002)
