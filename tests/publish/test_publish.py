@@ -14,10 +14,10 @@ from tables import product_law
 from abradem.config import read_config, setup_dict
 from abradem.dataset.join import DATASET_COLUMNS
 from abradem.publish.folder import Study, publish, replacing_folder
-from abradem.quantities import STDERR_COLUMNS, WEAR_COLUMNS
+from abradem.quantities import SAMPLED_NAMES, STDERR_COLUMNS, WEAR_COLUMNS
 from abradem.store.columns import COLUMNS
 from abradem.store.files import write_json
-from abradem.store.tables import write_table
+from abradem.store.tables import read_table, write_table
 from abradem.words.escaping import for_bibtex, for_markdown, names_for_bibtex
 
 ROOT = Path(__file__).parents[2]
@@ -36,7 +36,11 @@ def tables():
     )
     rows = rows.assign(worn_volume_rate=wear, wear_per_kg=wear)
     failures = pd.DataFrame({"case_id": [99], "status": ["no wear"], "simulated_time": [1.0]})
-    found = {"dataset": rows[list(DATASET_COLUMNS)], "failures": failures}
+    # The flattest plate of all gave no rate; the first two cases in number are flagged.
+    lost = rows.iloc[[0]].assign(case_id=99, plate_angle=2.0)
+    cases = pd.concat([rows, lost])[["case_id", "block", "seed", *SAMPLED_NAMES]]
+    rows.loc[:1, "quality"] = "stderr"
+    found = {"dataset": rows[list(DATASET_COLUMNS)], "failures": failures, "cases": cases}
     for block in range(BLOCKS):
         batch = rows[rows["block"] == block]
         runs = batch[["case_id", "block", "seed", "status", "simulated_time"]]
@@ -153,6 +157,27 @@ def test_the_card_names_every_column_range_licence_and_author(made):
     ):
         assert text in card
     assert "is below 0.2 or" in card and "0.99900" in card
+
+
+def test_the_card_lists_the_limits_by_region(made):
+    card = made.published()["README.md"].decode("utf-8")
+    dataset = read_table(made.root / "dataset.parquet")
+    lines = card[card.index("### By region") :].splitlines()
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in lines
+        if line.startswith("| plate") or line.startswith("| radius") or line.startswith("| rele")
+    ]
+    found = {row[0]: row[1:] for row in rows}
+    assert len(rows) == 8
+    angles = [row for row in rows if row[0].startswith("plate")]
+    drawn, lost, flagged = (sum(int(row[place]) for row in angles) for place in (1, 2, 3))
+    assert (drawn, lost, flagged) == (BLOCKS * ROWS + 1, 1, 2)
+    steep = dataset["plate_angle"] >= 50.0
+    assert found["plate above 50 deg"] == [
+        str(steep.sum()), "0", str((dataset["quality"][steep] != "ok").sum()), "2.0 %", "2.0 %"
+    ]  # fmt: skip
+    assert int(found["plate below 12 deg"][1]) == 1
 
 
 @pytest.mark.parametrize(

@@ -49,6 +49,14 @@ REGIONS = pd.DataFrame(
     columns=["region", "words", "level", "coverage", "band_lower", "band_upper", "tested",
              "in_band"],
 )  # fmt: skip
+FRESH = {
+    "cases": 200,
+    "rates": [
+        {"target": name, "shares": 24, "in_band": 23, "scores": {"R2": 0.9},
+         "all": [{"level": 0.8, "coverage": share, "band": [0.745, 0.855], "in_band": True}]}
+        for name, share in (("wear_friction_p99", 0.81), ("wear_friction_mean", 0.76))
+    ],
+}  # fmt: skip
 FAILURES = pd.DataFrame({"status": ["unsteady", "unsteady", "overlap <5 %>"]})
 RANGES = {row.name: list(row.paper_range) for row in SAMPLED}
 
@@ -121,6 +129,18 @@ def test_the_page_shows_what_the_content_says(card):
     assert target[2:] == ["0.9500 (0.8500 to 0.9600)", "0.9850 (0.8850 to 0.9950)", "12.0 %"]
     assert "1 overlap &lt;5 %&gt;" in page and "CC-BY-4.0" in page
     assert not re.search(r"https?://|<script", page)
+
+
+def test_the_coverage_of_fresh_cases_is_shown_at_each_place(card):
+    assert card["fresh"] is None and "fresh cases" not in card_page(card)
+    tested = model_card(SURROGATE, INTERVALS, RANGES, fresh=FRESH)
+    first, second = (one["words"] for one in tested["fresh"]["rates"])
+    assert first.startswith("wear depth rate, 99th percentile of 30 mm elements")
+    page = card_page(tested)
+    assert "On 200 fresh cases" in page
+    (mean,) = [row for row in Rows(page).cells if row[1:3] == ["80 %", "76.0 %"]]
+    assert mean[0] == second and second.startswith("wear depth rate, mean over the plate")
+    assert mean[3:] == ["74.5 to 85.5 %", "23 of 24"]
 
 
 def test_what_is_not_known_of_a_table_is_said():

@@ -50,6 +50,8 @@ rule linear:
         predictions=f"{RESULTS}/learning/linear_predictions.parquet",
     log:
         f"{LOGS}/linear.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/linear.tsv"
     conda:
         "../envs/abradem.yaml"
     params:
@@ -80,6 +82,8 @@ rule penalised:
         ridge_arrays=f"{RESULTS}/learning/ridge.safetensors",
     log:
         f"{LOGS}/penalised.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/penalised.tsv"
     conda:
         "../envs/abradem.yaml"
     params:
@@ -111,6 +115,8 @@ rule pca:
         model_arrays=f"{RESULTS}/learning/pca_regression.safetensors",
     log:
         f"{LOGS}/pca.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/pca.tsv"
     conda:
         "../envs/abradem.yaml"
     params:
@@ -134,6 +140,8 @@ rule selection:
         summary=f"{RESULTS}/learning/selection.json",
     log:
         f"{LOGS}/selection.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/selection.tsv"
     conda:
         "../envs/abradem.yaml"
     params:
@@ -166,6 +174,8 @@ rule trees:
         forest_arrays=f"{RESULTS}/learning/forest.safetensors",
     log:
         f"{LOGS}/trees.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/trees.tsv"
     conda:
         "../envs/abradem.yaml"
     params:

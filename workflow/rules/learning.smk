@@ -46,6 +46,8 @@ rule scores:
         by_region=f"{RESULTS}/learning/error_by_region.parquet",
     log:
         f"{LOGS}/scores.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/scores.tsv"
     conda:
         "../envs/abradem.yaml"
     params:

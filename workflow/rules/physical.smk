@@ -70,6 +70,8 @@ rule fit_physical:
         process_arrays=f"{RESULTS}/models/gaussian_process.safetensors",
     log:
         f"{LOGS}/fit_physical.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/fit_physical.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -96,6 +98,8 @@ rule intervals:
         summary=f"{RESULTS}/learning/intervals.json",
     log:
         f"{LOGS}/intervals.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/intervals.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -119,6 +123,8 @@ rule local_wear:
         local_arrays=f"{RESULTS}/learning/local_wear.safetensors",
     log:
         f"{LOGS}/local_wear.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/local_wear.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -159,6 +165,8 @@ rule surrogate:
         predictions=f"{RESULTS}/learning/surrogate_predictions.parquet",
     log:
         f"{LOGS}/surrogate.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/surrogate.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -197,6 +205,8 @@ rule sensitivity:
         summary=f"{RESULTS}/learning/sensitivity.json",
     log:
         f"{LOGS}/sensitivity.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/sensitivity.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -226,6 +236,8 @@ rule reach:
         targets=f"{RESULTS}/learning/targets.parquet",
     log:
         f"{LOGS}/reach.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/reach.tsv"
     conda:
         "../envs/abradem.yaml"
     resources:
@@ -265,6 +277,8 @@ if ON_PLATE:
             scores=f"{RESULTS}/learning/map_scores.parquet",
         log:
             f"{LOGS}/wear_maps.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/wear_maps.tsv"
         conda:
             "../envs/abradem.yaml"
         resources:

@@ -181,6 +181,7 @@ rule model_card:
         surrogate=rules.surrogate.output.model,
         intervals=rules.intervals.output.summary,
         regions=rules.intervals.output.regions,
+        fresh=FRESH_SUMMARY[0] if TESTED_WITH else [],
         failures=FAILURES if SIMULATED else [],
     output:
         card=f"{RESULTS}/models/model_card.json",

@@ -10,6 +10,7 @@ import pandas as pd
 from abradem.dataset.relative_errors import relative_stderr
 from abradem.dataset.variation import HELD_FIXED, held_fixed
 from abradem.learning.number_text import number_or_words, percentage, score_number, score_range
+from abradem.learning.regions import regions_of
 from abradem.publish.description import (
     LICENCE,
     LICENCE_NAME,
@@ -18,7 +19,14 @@ from abradem.publish.description import (
     Description,
     File,
 )
-from abradem.quantities import FEATURE_NAMES, QUANTITIES, SAMPLED, wear_column, wear_parts
+from abradem.quantities import (
+    FEATURE_NAMES,
+    QUANTITIES,
+    SAMPLED,
+    SAMPLED_NAMES,
+    wear_column,
+    wear_parts,
+)
 from abradem.words.escaping import for_markdown
 from abradem.words.labels import LABELS
 
@@ -50,7 +58,8 @@ FLAGS = {
 def card(description: Description) -> str:
     """The data card as Markdown."""
     sections = (
-        _head, _content, _measure, _making, _quantities, _columns, _quality, _limits, _rights,
+        _head, _content, _measure, _making, _quantities, _columns, _quality, _limits, _by_region,
+        _rights,
     )  # fmt: skip
     return "\n".join("\n".join(section(description)) + "\n" for section in sections)
 
@@ -260,6 +269,31 @@ def _limits(said: Description) -> Iterable[str]:
         "- **The rates are simulated.** They were checked against closed forms, published tests "
         "and other codes, but not against wear measured in this arrangement.",
     ]
+
+
+def _by_region(said: Description) -> Iterable[str]:
+    """Where cases gave no rate, are flagged or noisy."""
+    target = said.summary["target"]
+    drawn = said.cases[list(SAMPLED_NAMES)].to_numpy(dtype=float)
+    failed = said.cases["case_id"].isin(said.failures["case_id"]).to_numpy()
+    good = said.dataset[list(SAMPLED_NAMES)].to_numpy(dtype=float)
+    flagged = (said.dataset["quality"] != "ok").to_numpy()
+    relative = pd.Series(relative_stderr(said.dataset, target))
+    lines = [
+        "### By region",
+        "",
+        f"Standard errors are those of `{target}`, relative to the rate; flags are those of the "
+        "table above.",
+        "",
+        "| cases | drawn | no rate | flagged | standard error, median | 95th percentile |",
+        "| --- | ---: | ---: | ---: | ---: | ---: |",
+    ]
+    for region in regions_of(drawn):
+        among, held = region.holds(drawn), region.holds(good)
+        errors = (percentage(relative[held].quantile(share), ".1f") for share in (0.5, 0.95))
+        counts = map(str, (among.sum(), failed[among].sum(), flagged[held].sum()))
+        lines.append(f"| {region.words} | {' | '.join([*counts, *errors])} |")
+    return lines
 
 
 def _floor(noise) -> str:

@@ -111,6 +111,8 @@ class Description:
         The configuration, plain values of the `Setup`, and the contents of summary.json,
         learning/noise_floor.json and versions.json.
     dataset, failures : pandas.DataFrame
+    cases : pandas.DataFrame
+        The parameter sets of all cases, those of the failures included.
     files : tuple of File
     """
 
@@ -124,6 +126,7 @@ class Description:
     setup: Mapping
     dataset: pd.DataFrame
     failures: pd.DataFrame
+    cases: pd.DataFrame
     summary: Mapping
     noise: Mapping
     versions: Mapping

@@ -60,8 +60,8 @@ def publish(folder: Path, results: Path, files: Iterable[Path], study: Study) ->
         Results of the study.
     files : iterable of path
         Files below ``results``, copied under the same names. They must include dataset.parquet,
-        failures.parquet, config.yaml, versions.json, summary.json and learning/noise_floor.json.
-        Tables ``<name>/block-<block>-batch-<batch>.parquet`` become
+        failures.parquet, cases.parquet, config.yaml, versions.json, summary.json and
+        learning/noise_floor.json. Tables ``<name>/block-<block>-batch-<batch>.parquet`` become
         ``<name>/block=<block>/batch-<batch>.parquet``.
     study : Study
 
@@ -90,6 +90,7 @@ def publish(folder: Path, results: Path, files: Iterable[Path], study: Study) ->
             setup=study.setup,
             dataset=read_table(new / DATASET),
             failures=read_table(new / "failures.parquet"),
+            cases=read_table(new / "cases.parquet"),
             summary=read_json(new / "summary.json"),
             noise=read_json(new / "learning" / "noise_floor.json"),
             versions=read_json(new / "versions.json"),

@@ -214,12 +214,20 @@ def _fresh(fresh: Mapping | None) -> str:
     """The test of the intervals on fresh cases."""
     if fresh is None:
         return ""
-    scores = fresh["scores"]
-    return (
-        f" On {fresh['cases']} fresh cases, simulated for this test alone, {fresh['in_band']} of "
-        f"{fresh['shares']} shares by region are in their bands; R2 of the wear is there "
+    target, *places = fresh["rates"]
+    scores = target["scores"]
+    text = (
+        f" On {fresh['cases']} fresh cases, simulated for this test alone, {target['in_band']} of "
+        f"{target['shares']} shares by region are in their bands; R2 of the wear is there "
         f"{score_number(scores['R2'])}, of ln(wear number) {score_number(scores['R2_number'])}."
     )
+    if places:
+        listed = "; ".join(
+            f"{WearTarget(one['target']).place} {one['in_band']} of {one['shares']}"
+            for one in places
+        )
+        text += f" Likewise at the other places of the plate: {listed}."
+    return text
 
 
 def _curve(curve: pd.DataFrame) -> str:

@@ -57,6 +57,7 @@ def model_card(
     software: str = "",
     licence: str | None = None,
     confidence: float = 0.95,
+    fresh: Mapping | None = None,
 ) -> dict[str, Any]:
     """Content of the model card.
 
@@ -79,6 +80,8 @@ def model_card(
         Of the simulated data; None for a table from elsewhere.
     confidence : float
         Central share of the splits that the ranges of the scores contain.
+    fresh : mapping, optional
+        Summary of `abradem.learning.physical.fresh.coverage_of_fresh`; None without fresh cases.
     """
     known = surrogate.get("jet_known", True)
     geometry = surrogate["jet"].get("geometry")
@@ -135,6 +138,7 @@ def model_card(
         "distillation_error": surrogate["distillation_error"],
         "coverage": list(intervals["coverage"]),
         "coverage_by_region": [] if regions is None else _regions(regions),
+        "fresh": None if fresh is None else _fresh(fresh, surrogate),
         "highest_level": intervals["highest_level"],
         "licence": {
             "software": SOFTWARE_LICENCE,
@@ -193,6 +197,16 @@ def _range(feature: Mapping, ranges: Mapping[str, Sequence[float]] | None) -> di
 def _regions(regions: pd.DataFrame) -> list[dict]:
     columns = ["words", "level", "coverage", "band_lower", "band_upper", "tested", "in_band"]
     return regions[columns].to_dict("records")
+
+
+def _fresh(fresh: Mapping, surrogate: Mapping) -> dict:
+    """Coverage at each place of the plate on cases that no model saw, with what the rates are."""
+    targets = [surrogate["target"], *(one["target"] for one in surrogate.get("local", []))]
+    words = {target["name"]: _named(target)["words"] for target in targets}
+    return {
+        "cases": fresh["cases"],
+        "rates": [{**rate, "words": words[rate["target"]]} for rate in fresh["rates"]],
+    }
 
 
 def card_page(card: Mapping) -> str:
@@ -331,6 +345,25 @@ def _coverage(card: Mapping) -> list[str]:
         *_table(("cases", "number", "level", "inside", "expected by chance"), [*overall, *regions]),
         f"<p>{for_html(card['protocol']['intervals'])}; the highest level that they can promise is "
         f"{number_or_words(100.0 * card['highest_level'], '.4g')} %.</p>",
+        *_fresh_shares(card["fresh"]),
+    ]
+
+
+def _fresh_shares(fresh: Mapping | None) -> list[str]:
+    """The shares of fresh cases inside their intervals, at each place of the plate."""
+    if fresh is None:
+        return []
+    rows = [
+        (rate["words"], *_shares(one, *one["band"]), f"{rate['in_band']} of {rate['shares']}")
+        for rate in fresh["rates"]
+        for one in rate["all"]
+    ]
+    heads = ("wear rate", "level", "inside", "expected by chance", "regions as expected")
+    return [
+        f"<p>On {fresh['cases']} fresh cases, which were simulated for this test and which no "
+        "model saw. The last column counts the shares by region, at all levels, that are as "
+        "expected by chance; 19 of 20 would be, if the intervals held exactly.</p>",
+        *_table(heads, rows),
     ]
 
 

@@ -42,7 +42,8 @@ TABLES: dict[str, str] = {
     "coverage": "Coverage of the prediction intervals on held-out cases by region of the ranges "
     "and nominal level, with the binomial band.",
     "fresh_coverage": "Coverage of the intervals of the surrogate on fresh cases, which no "
-    "model has seen, by region of the ranges and nominal level, with the binomial band.",
+    "model has seen, by place of the plate, region of the ranges and nominal level, with the "
+    "binomial band.",
     "failures": "Cases that are not in the data set, because they were rejected as physically "
     "inconsistent or ended early, with the reasons.",
 }

@@ -5,36 +5,70 @@ import pytest
 from flat_surrogate import NUMBER, SPREAD, write_flat_surrogate
 from tables import product_law
 
+from abradem.learning.model_files import write_model
 from abradem.learning.physical.fresh import coverage_of_fresh
 from abradem.learning.physical.problem import problem
+from abradem.store.files import read_arrays, read_json
 from abradem.surrogate.groups import Jet
 from abradem.surrogate.model import Surrogate
+from abradem.surrogate.parts import local_prefix
 
 JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
+PLACE = "wear_total_footprint"
 
 
-def test_the_coverage_of_fresh_cases_is_the_share_inside_by_region(tmp_path):
-    write_flat_surrogate(tmp_path / "surrogate", JET, "wear_total_mean")
-    surrogate = Surrogate.load(tmp_path / "surrogate")
+@pytest.fixture
+def surrogate(tmp_path):
+    """Of the mean over the plate, and of the footprint with 9 held-out errors: at most 90 %."""
+    stem = tmp_path / "surrogate"
+    write_flat_surrogate(stem, JET, "wear_total_mean")
+    description, arrays = read_json(f"{stem}.json"), read_arrays(f"{stem}.safetensors")
+    own = {name: array for name, array in arrays.items() if not name.startswith("group_")}
+    own["conformal"] = own["conformal"][:9]
+    description["local"] = [{"target": {"name": PLACE, "unit": "mm/s"}}]
+    arrays |= {f"{local_prefix(PLACE)}{name}": array for name, array in own.items()}
+    write_model(description, arrays, f"{stem}.json")
+    return Surrogate.load(stem)
+
+
+def with_errors(given, error, name):
+    """The problem with wear whose logarithm is off from that of the surrogate by ``error``."""
+    wear = given.scale * NUMBER * np.exp(error)
+    table = given.table._replace(target=wear, target_name=name)
+    return given._replace(table=table, log_number=np.log(wear / given.scale))
+
+
+def test_the_coverage_of_fresh_cases_is_the_share_inside_by_place_and_region(surrogate):
     given = problem(product_law(60), JET)
     fresh = problem(product_law(200, seed=1), JET)
     # Errors of 2 deviations, the reach of all its intervals, and a little less or more.
     flat = np.degrees(fresh.groups[:, 8]) < 12.0
     error = SPREAD * np.where(flat, 2.1, 1.9)
-    wear = fresh.scale * NUMBER * np.exp(error)
-    fresh = fresh._replace(
-        table=fresh.table._replace(target=wear), log_number=np.log(wear / fresh.scale)
-    )
-    table, summary = coverage_of_fresh(surrogate, given, fresh)
-    shown = table.set_index(["region", "level"])["coverage"]
-    assert shown["all", 0.95] == pytest.approx(np.mean(~flat))
-    assert shown["below 12 deg", 0.8] == 0.0 and shown["above 50 deg", 0.5] == 1.0
-    rows = table.set_index(["region", "level"])["tested"]
-    assert rows["all", 0.5] == 200 and rows["below 12 deg", 0.5] == flat.sum()
-    assert summary["cases"] == 200 and summary["shares"] == len(table) - 3
+    fresh = with_errors(fresh, error, "wear_total_mean")
+    other = with_errors(fresh, np.full(200, 2.1 * SPREAD), PLACE)
+    table, summary = coverage_of_fresh(surrogate, [(given, fresh), (given, other)])
+    shown = table.set_index(["target", "region", "level"])["coverage"]
+    assert shown["wear_total_mean", "all", 0.95] == pytest.approx(np.mean(~flat))
+    assert shown["wear_total_mean", "below 12 deg", 0.8] == 0.0
+    assert shown["wear_total_mean", "above 50 deg", 0.5] == 1.0
+    assert (shown[PLACE] == 0.0).all()
+    rows = table.set_index(["target", "region", "level"])["tested"]
+    assert rows["wear_total_mean", "all", 0.5] == 200
+    assert rows["wear_total_mean", "below 12 deg", 0.5] == flat.sum()
+    # What the nine errors of the place cannot promise is not asked.
+    assert set(shown[PLACE].index.get_level_values("level")) == {0.5, 0.8}
+
+    assert summary["cases"] == 200
+    mean, place = summary["rates"]
+    assert (mean["target"], place["target"]) == ("wear_total_mean", PLACE)
+    assert mean["shares"] == len(shown["wear_total_mean"]) - 3
+    assert place["in_band"] == 0 and place["shares"] == len(shown[PLACE]) - 2
+    (half, *_) = mean["all"]
+    assert half["level"] == 0.5 and half["coverage"] == pytest.approx(np.mean(~flat))
+    assert half["band"][0] < 0.5 < half["band"][1] and not half["in_band"]
     away = np.log(NUMBER) - fresh.log_number
     spread = fresh.log_number - fresh.log_number.mean()
-    assert summary["scores"]["R2_number"] == pytest.approx(
+    assert mean["scores"]["R2_number"] == pytest.approx(
         1.0 - np.sum(away**2) / np.sum(spread**2), rel=1e-4
     )
-    assert summary["scores"]["MAPE"] == pytest.approx(np.mean(-np.expm1(-error)), rel=1e-4)
+    assert mean["scores"]["MAPE"] == pytest.approx(np.mean(-np.expm1(-error)), rel=1e-4)

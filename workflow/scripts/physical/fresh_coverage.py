@@ -11,10 +11,11 @@ from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
 from abradem.surrogate.model import Surrogate
 
-jet = jet_of(snakemake.params.setup)
-given, fresh = (
-    problem(read_table(path), jet, **snakemake.params.table)
-    for path in (snakemake.input.dataset, snakemake.input.fresh)
-)
-coverage, summary = coverage_of_fresh(Surrogate.load(snakemake.input.surrogate), given, fresh)
+jet, name = jet_of(snakemake.params.setup), snakemake.params.table["name"]
+tables = [read_table(path) for path in (snakemake.input.dataset, snakemake.input.fresh)]
+surrogate = Surrogate.load(snakemake.input.surrogate)
+rates = [
+    tuple(problem(table, jet, target, name) for table in tables) for target in surrogate.models
+]
+coverage, summary = coverage_of_fresh(surrogate, rates)
 write_stage(snakemake.output.items(), coverage=coverage, summary=summary)

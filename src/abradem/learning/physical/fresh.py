@@ -2,10 +2,13 @@
 
 Held-out rows of a study are few in each region, and were seen by the developer of its models. Fresh
 cases come from blocks that no model has seen. The surrogate, as `abradem predict` uses it, predicts
-them with intervals, and the share inside is compared with the binomial band of each region.
+them with intervals, at every place of the plate that it knows. The share inside is compared with
+the binomial band of each region.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 import numpy as np
 import pandas as pd
@@ -16,47 +19,68 @@ from abradem.learning.regions import Region, regions_of
 from abradem.learning.scores import r2, score
 from abradem.quantities import SAMPLED_NAMES
 from abradem.surrogate.groups import input_names
-from abradem.surrogate.model import Surrogate
+from abradem.surrogate.model import Surrogate, highest_level
 
 EVERYWHERE = Region("all", "all cases", SAMPLED_NAMES[0], 0.0, np.inf)
 
 
 def coverage_of_fresh(
-    surrogate: Surrogate, given: WearProblem, fresh: WearProblem
+    surrogate: Surrogate, rates: Iterable[tuple[WearProblem, WearProblem]]
 ) -> tuple[pd.DataFrame, dict]:
     """Coverage of the intervals of a surrogate, and its scores, on fresh cases.
 
     Parameters
     ----------
     surrogate : Surrogate
-    given : WearProblem
-        The rows of the study, whose ranges divide the regions.
-    fresh : WearProblem
-        The fresh cases.
+    rates : iterable of pair of WearProblem
+        For each wear rate of the surrogate the rows of the study, whose ranges divide the regions,
+        and the fresh cases.
 
     Returns
     -------
     coverage : pandas.DataFrame
-        See `abradem.learning.physical.intervals.coverage_by_region`; the first rows are of all
-        cases. Levels that the surrogate cannot promise are left out.
+        ``target``, the wear rate, and the columns of
+        `abradem.learning.physical.intervals.coverage_by_region`; the first rows of each wear rate
+        are of all cases. Levels that its held-out errors cannot promise are left out.
     summary : dict
-        ``cases``; ``shares``, the number of rows of the coverage by region, and ``in_band``, how
-        many are in their band; ``scores``, the metrics of `abradem.learning.scores.score` and
-        ``R2_number``.
+        ``cases``, and ``rates``, a list with, for each wear rate: ``target``; ``all``, level,
+        coverage, band and whether it is in it, over all cases; ``shares``, the number of shares by
+        region, and ``in_band``, how many are in their band; ``scores``, the metrics of
+        `abradem.learning.scores.score` and ``R2_number``.
     """
+    tables, summaries = zip(*(_of_one(surrogate, *pair) for pair in rates), strict=True)
+    coverage = pd.concat(tables, ignore_index=True)
+    return coverage, {"cases": int(coverage["tested"].max()), "rates": list(summaries)}
+
+
+def _of_one(
+    surrogate: Surrogate, given: WearProblem, fresh: WearProblem
+) -> tuple[pd.DataFrame, dict]:
+    """Coverage and scores of one wear rate."""
+    target = fresh.table.target_name
     values = dict(zip(input_names(fresh.jet), fresh.inputs.T, strict=True))
     y = fresh.table.target
+    highest = highest_level(surrogate.model(target).score_count)
     inside = {}
     for level in REPORTED:
-        if level <= surrogate.highest_confidence:
-            found = surrogate.predict(values, level)
+        if level <= highest:
+            found = surrogate.predict(values, level, target)
             inside[level] = (y >= found.lower) & (y <= found.upper)
-    rate = surrogate.predict(values).rate
-    regions = [EVERYWHERE, *regions_of(given.inputs)]
-    coverage = coverage_by_region(inside, fresh.inputs, regions)
-    parts = coverage[coverage["region"] != EVERYWHERE.name]
-    return coverage, {
-        "cases": len(y),
+    rate = surrogate.predict(values, target=target).rate
+    coverage = coverage_by_region(inside, fresh.inputs, [EVERYWHERE, *regions_of(given.inputs)])
+    overall = coverage["region"] == EVERYWHERE.name
+    parts = coverage[~overall]
+    return coverage.assign(target=target)[["target", *coverage.columns]], {
+        "target": target,
+        "all": [
+            {
+                "level": row.level,
+                "coverage": row.coverage,
+                "band": [row.band_lower, row.band_upper],
+                "in_band": bool(row.in_band),
+            }
+            for row in coverage[overall].itertuples(index=False)
+        ],
         "shares": len(parts),
         "in_band": int(parts["in_band"].sum()),
         "scores": {
