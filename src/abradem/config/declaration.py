@@ -547,6 +547,15 @@ class Factory(Section):
     number_rate_per_s: float | None = _key(
         None, "Particle rate for feed: number, otherwise null.", unit="1/s", gt=0.0, le=1e9
     )
+    attempts: int = _key(
+        100, "Random places on the patch that are tried for a particle.", ge=1, le=10_000
+    )
+    unplaced: Literal["wait", "skip"] = _key(
+        "wait",
+        "What becomes of a particle that overlaps others at all places tried. wait: it is tried "
+        "again a little later, before those that follow. skip: it is left out, and its share of "
+        "the feed is lost.",
+    )
 
 
 class Contact(Section):

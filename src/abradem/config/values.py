@@ -118,6 +118,8 @@ def setup_dict(config: Config) -> dict:
         "arc_radius": factory.arc_radius_mm / 1000.0 if geometry is None else 0.0,
         "mass_rate": factory.mass_rate_kg_s,
         "number_rate": factory.number_rate_per_s,
+        "attempts": factory.attempts,
+        "unplaced": factory.unplaced,
         "removal_depth": simulation.removal_depth_mm / 1000.0,
         "gravity": simulation.gravity,
         "contact": simulation.contact.model_dump(),
