@@ -523,7 +523,7 @@ class Factory(Section):
         le=100_000.0,
     )
     fall_height_mm: float = _key(
-        385.0,
+        475.0,
         "Height of the centre of the patch above the centre of the plate at a factory angle of 0.",
         unit="mm",
         gt=0.0,
@@ -536,22 +536,22 @@ class Factory(Section):
         "is lower by arc_radius times 1 - cos(factory angle).",
     )
     arc_radius_mm: float = _key(
-        235.0, "Radius of the arc, for angle_acts: arc alone.", unit="mm", ge=0.0, le=100_000.0
+        310.0, "Radius of the arc, for angle_acts: arc alone.", unit="mm", ge=0.0, le=100_000.0
     )
     feed: Literal["mass", "number"] = _key(
         "mass", "Which rate is prescribed: mass per time or particles per time."
     )
     mass_rate_kg_s: float | None = _key(
-        42.0, "Mass rate for feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
+        45.0, "Mass rate for feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
     )
     number_rate_per_s: float | None = _key(
         None, "Particle rate for feed: number, otherwise null.", unit="1/s", gt=0.0, le=1e9
     )
     attempts: int = _key(
-        100, "Random places on the patch that are tried for a particle.", ge=1, le=10_000
+        1, "Random places on the patch that are tried for a particle.", ge=1, le=10_000
     )
     unplaced: Literal["wait", "skip"] = _key(
-        "wait",
+        "skip",
         "What becomes of a particle that overlaps others at all places tried. wait: it is tried "
         "again a little later, before those that follow. skip: it is left out, and its share of "
         "the feed is lost.",
@@ -707,8 +707,8 @@ class WearRate(Section):
 
     min_batches: int = _key(
         20,
-        "Smallest number of equal batches for a rate and its standard error; twice as many are used "
-        "where the samples suffice.",
+        "Smallest number of equal batches for a rate and its standard error; twice as many "
+        "are used where the samples suffice.",
         ge=20,
         le=10_000,
     )
