@@ -21,7 +21,7 @@ from speed import SCENARIOS, machine
 from abradem.dem import Case, Setup, simulate
 from abradem.dem.surface import Surface
 from abradem.dem.warm import warm
-from abradem.verification.surface_scenes import arc, cut_plane, extruded
+from abradem.verification.surface_scenes import cut_plane, extruded
 
 CUTS = {"2 triangles": (1, 1), "200 triangles": (10, 10), "1800 triangles": (30, 30)}
 CHUTE_FACETS, CHUTE_STRIPS = 13, 8

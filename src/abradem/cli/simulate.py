@@ -221,13 +221,7 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
             except ValueError as error:
                 raise InputError(f"this case cannot be simulated: {error}") from None
             print(patch_words(factory), file=sys.stderr)
-            print(
-                "the engine is compiled at the first use of a geometry: a minute or more",
-                file=sys.stderr,
-                flush=True,
-            )
-        else:
-            load_kernels(setup["stepping"])
+        load_kernels(setup)
         progress, clear = progress_line(setup)
     try:
         tables = run_case(row, setup, progress)

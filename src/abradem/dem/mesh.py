@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from abradem.dem.cache import kernel
-from abradem.dem.mesh_search import SIDE, nearest_on_triangle
 from abradem.dem.surface import CELL_SUMS, Surface, check_surface
+from abradem.dem.triangle import SIDE, nearest_on_triangle
 from abradem.dem.vectors import dot
 
 WALLS = 4

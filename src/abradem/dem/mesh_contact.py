@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from abradem.dem.borrow import borrowed, borrowed_mesh
 from abradem.dem.cache import kernel
 from abradem.dem.mesh import MOST_HITS, WALLS
 from abradem.dem.mesh_search import (
@@ -40,6 +41,8 @@ def touch_surface(problem, particles, tally, wear, mesh, step, chosen, count):
         Particles that can touch, the first ``count``; None means the first ``count`` of all.
     count : int
     """
+    particles, tally, wear = borrowed(particles), borrowed(tally), borrowed(wear)
+    mesh = borrowed_mesh(mesh)
     turn_to(problem, mesh, step)
     for k in range(count):
         i = np.int64(k)

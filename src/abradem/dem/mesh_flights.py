@@ -21,17 +21,18 @@ import math
 
 import numpy as np
 
+from abradem.dem.borrow import borrowed_mesh
 from abradem.dem.bounds import SAFETY, first_time_beyond, first_time_within
 from abradem.dem.cache import kernel
 from abradem.dem.mesh_search import (
     NOTHING,
     cell_in,
-    nearest_on_triangle,
     to_frame,
     turned,
     way_to_cells,
 )
 from abradem.dem.state import fall, flight
+from abradem.dem.triangle import nearest_on_triangle
 from abradem.dem.vectors import cross, dot, plus
 
 MOST_PIECES = 64
@@ -176,6 +177,7 @@ def time_to_surface(problem, mesh, i, now, until, x, y, z, vx, vy, vz):
     -------
     float
     """
+    mesh = borrowed_mesh(mesh)
     gravity, time = problem.gravity, 0.0
     for _ in range(MOST_PIECES):
         place = (flight(x, vx, time), fall(y, vy, gravity, time), flight(z, vz, time))

@@ -22,11 +22,10 @@ import math
 
 import numpy as np
 
+from abradem.dem.borrow import borrowed_mesh
 from abradem.dem.cache import kernel
-from abradem.dem.vectors import cross, dot, fma, plus, scaled
-
-SIDE = 10
-"""Numbers that describe a side of a triangle, see `mesh.Mesh.sides`."""
+from abradem.dem.triangle import FACE, VERTEX, nearest_on_triangle, side_vector
+from abradem.dem.vectors import cross, dot, plus, scaled
 
 SMOOTH = math.cos(math.radians(15.0))
 """Cosine of the largest angle between normals of contacts that are taken as one, and between
@@ -35,51 +34,11 @@ those of one contact in two steps in a row."""
 TOLERANCE = 1e-9
 """Length, in radii, by which a nearest point may seem to be beside an edge through rounding."""
 
-FACE, VERTEX = -1, 3
-"""Feature of a triangle with the nearest point: `FACE`, side k, or `VERTEX` + k."""
-
 NOTHING = -1
 """In place of a triangle: none can be touched."""
 
 CAUTION = 1e-6
 """Length, in radii, by which spots are smaller than computed, far above rounding."""
-
-
-@kernel(inline=True)
-def _side(sides, i, k, at):
-    return sides[i, k, at], sides[i, k, at + 1], sides[i, k, at + 2]
-
-
-@kernel(inline=True)
-def nearest_on_triangle(sides, normals, i, x, y, z):
-    """Return squared distance, feature, position along its side, and height over the plane.
-
-    ``sides`` and ``normals`` are those of `mesh.Mesh`; lengths are in m.
-    """
-    height = dot(
-        (x - sides[i, 0, 0], y - sides[i, 0, 1], z - sides[i, 0, 2]),
-        (normals[i, 0], normals[i, 1], normals[i, 2]),
-    )
-    feature, place, least = FACE, 0.0, np.inf
-    for k in range(3):
-        arm = (x - sides[i, k, 0], y - sides[i, k, 1], z - sides[i, k, 2])
-        beside = dot(arm, _side(sides, i, k, 3))
-        if beside < 0.0:
-            # Outside this side: the nearest point is on it or on another such side.
-            along = dot(arm, _side(sides, i, k, 6))
-            on = min(max(along, 0.0), sides[i, k, 9])
-            off = along - on
-            distance2 = fma(beside, beside, off * off)
-            if distance2 < least:
-                least, place = distance2, on
-                feature = k
-                if off < 0.0:
-                    feature = VERTEX + k
-                elif off > 0.0:
-                    feature = VERTEX + (k + 1) % 3
-    if feature == FACE:
-        least = 0.0
-    return fma(height, height, least), feature, place, height
 
 
 @kernel(inline=True)
@@ -134,7 +93,7 @@ def _is_minimum(mesh, i, feature, arm):
         edge = mesh.side_edge[i, feature]
         for s in range(mesh.edge_first[edge], mesh.edge_first[edge + 1]):
             side = mesh.edge_sides[s]
-            if dot(arm, _side(mesh.sides, side // 3, side % 3, 3)) > tiny:
+            if dot(arm, side_vector(mesh.sides, side // 3, side % 3, 3)) > tiny:
                 return False
         return True
     vertex = mesh.corner_vertex[i, feature - VERTEX]
@@ -223,6 +182,7 @@ def _search(mesh, i, f, x, y, z, found, most_hits):
 
     ``x``, ``y``, ``z`` are coordinates of the frame; returns the number of triangles noted.
     """
+    mesh = borrowed_mesh(mesh)
     frame, spot, radius = mesh.frames[f], mesh.spots[i, f], mesh.reach[0]
     spot.x, spot.y, spot.z = x, y, z
     spot.triangle, spot.room2 = NOTHING, 0.0
@@ -242,7 +202,8 @@ def _search(mesh, i, f, x, y, z, found, most_hits):
         if slack < farthest:
             slack = max(slack, _slack(mesh, j, x, y, z, near[3], slack))
         if slack < least:
-            least, second, nearest = slack, least, np.int64(j)
+            least, second = slack, least
+            nearest = np.int64(j)  # type: ignore[assignment]  # a number to numba
         elif slack < second:
             second = slack
     if found - before > 1:
@@ -299,6 +260,7 @@ def _slack(mesh, j, x, y, z, height, enough):
     (`_is_minimum`). All these change by at most the way of the centre. The result may be too small,
     and is if it is at most ``enough``.
     """
+    mesh = borrowed_mesh(mesh)
     slack = max(_outside_face(mesh, j, x, y, z), abs(height) - mesh.reach[0])
     for k in range(3):
         if slack <= enough:
@@ -337,7 +299,7 @@ def _hit(mesh, frame, f, i, x, y, z, near, found, most_hits):
         k, along = feature, place
         if feature >= VERTEX:
             k, along = feature - VERTEX, 0.0
-        point = plus(_side(mesh.sides, i, k, 0), along, _side(mesh.sides, i, k, 6))
+        point = plus(side_vector(mesh.sides, i, k, 0), along, side_vector(mesh.sides, i, k, 6))
         arm = (x - point[0], y - point[1], z - point[2])
         if not _is_minimum(mesh, i, feature, arm):
             return found

@@ -179,9 +179,9 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     from abradem.store.files import write_json
     from abradem.store.tables import write_table
 
-    if not row["rejected"] and not setup.get("geometry"):
+    if not row["rejected"]:
         # Otherwise the time of the first case of a job would include half a second of loading.
-        warm.load(setup.get("stepping", Setup.stepping))
+        warm.load(setup.get("stepping", Setup.stepping), bool(setup.get("geometry")))
     start = time.process_time()
     tables = run_case(row, setup)
     spent = time.process_time() - start
