@@ -49,7 +49,7 @@ def asked(monkeypatch, here):
 
     monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
     for command in ("simulate", "sweep_cases"):
-        monkeypatch.setattr(f"abradem.cli.{command}.load_kernels", lambda stepping: None)
+        monkeypatch.setattr(f"abradem.cli.{command}.load_kernels", lambda setup: None)
     return found
 
 
@@ -352,17 +352,18 @@ def test_a_check_of_a_configuration_reads_its_mesh(capsys, here):
 # The kernels
 
 
+@pytest.mark.parametrize("geometry", [None, {"kind": "arc"}])
 @pytest.mark.parametrize("compiled", [True, False])
-def test_a_compilation_is_said_before_and_after(monkeypatch, capsys, compiled):
+def test_a_compilation_is_said_before_and_after(monkeypatch, capsys, compiled, geometry):
     from abradem.cli.case_input import load_kernels
     from abradem.dem import cache, warm
 
     loaded = []
-    monkeypatch.setattr(cache, "is_compiled", lambda stepping: compiled)
-    monkeypatch.setattr(warm, "load", loaded.append)
-    load_kernels("islands")
+    monkeypatch.setattr(cache, "is_compiled", lambda *needed: compiled)
+    monkeypatch.setattr(warm, "load", lambda *needed: loaded.append(needed))
+    load_kernels({"stepping": "islands", "geometry": geometry})
     lines = capsys.readouterr().err.splitlines()
-    assert loaded == ["islands"]
+    assert loaded == [("islands", geometry is not None)]
     assert len(lines) == (0 if compiled else 2)
     if not compiled:
         assert lines[0].startswith("compiling the engine, once") and lines[1] == "compiled in 0 s"
@@ -380,8 +381,43 @@ def test_a_stepping_is_compiled_when_its_kernel_is_in_the_cache(monkeypatch, tmp
 def test_the_real_kernels_are_found_in_the_cache_once_they_are_loaded():
     from abradem.dem import cache, warm
 
-    warm.load("islands")
-    assert cache.is_compiled("islands")
+    for on_surface in (False, True):
+        warm.load("islands", on_surface)
+        assert cache.is_compiled("islands", on_surface)
+
+
+def test_the_kernels_of_the_plate_are_not_those_of_a_surface(monkeypatch, tmp_path):
+    from abradem.dem import cache
+
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    (tmp_path / "islands.advance-80.py311.nbi").write_bytes(b"abradem.dem.state")
+    assert cache.is_compiled("islands") and not cache.is_compiled("islands", on_surface=True)
+    (tmp_path / "islands.advance-80.py311.nbi").write_bytes(b"abradem.dem.state abradem.dem.mesh")
+    assert cache.is_compiled("islands", on_surface=True)
+
+
+def test_processes_compile_one_after_the_other(monkeypatch, tmp_path):
+    """While one compiles, another waits: it cannot have the lock before the first is done."""
+    import subprocess
+    import sys
+
+    from abradem.dem import cache
+
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    code = (
+        "import sys, pathlib; from abradem.dem import cache; "
+        "cache.cache_folder = lambda: pathlib.Path(sys.argv[1])\n"
+        "print('asks', flush=True)\n"
+        "with cache.compiling(): print('has', flush=True)"
+    )
+    with cache.compiling():
+        other = subprocess.Popen(
+            [sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, text=True
+        )
+        assert other.stdout.readline() == "asks\n"
+        with pytest.raises(subprocess.TimeoutExpired):
+            other.wait(0.5)
+    assert other.communicate(timeout=60)[0] == "has\n"
 
 
 # Threads

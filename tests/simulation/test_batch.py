@@ -115,7 +115,7 @@ def test_the_time_of_each_case_is_kept_over_an_interruption(engine, tmp_path, mo
         now[0] += next(spent)
         return simulate(case, setup)
 
-    def load(stepping):
+    def load(stepping, on_surface):
         now[0] += 100.0
 
     monkeypatch.setattr(abradem.dem, "simulate", slow)

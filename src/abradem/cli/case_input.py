@@ -278,21 +278,17 @@ def patch_words(feed: Feed) -> str:
     )
 
 
-def load_kernels(stepping: str) -> None:
-    """Load the kernels of the engine; say so if they have to be compiled first."""
+def load_kernels(setup: Mapping) -> None:
+    """Load the kernels of the engine for a set-up; say so if they have to be compiled first."""
     from abradem.dem import warm
-    from abradem.dem.cache import is_compiled
+    from abradem.dem.cache import compiling_words, is_compiled
 
     begin = time.monotonic()
-    compiles = not is_compiled(stepping)
+    needed = setup["stepping"], bool(setup.get("geometry"))
+    compiles = not is_compiled(*needed)
     if compiles:
-        print(
-            "compiling the engine, once for this version of it on this machine: half a minute or "
-            "more",
-            file=sys.stderr,
-            flush=True,
-        )
-    warm.load(stepping)
+        print(f"compiling the engine, {compiling_words(needed[1])}", file=sys.stderr, flush=True)
+    warm.load(*needed)
     if compiles:
         print(f"compiled in {time.monotonic() - begin:.0f} s", file=sys.stderr)
 

@@ -250,15 +250,9 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
             except ValueError as error:
                 raise InputError(f"this case cannot be simulated: {error}") from None
             print(patch_words(factory), file=sys.stderr)
-            print(
-                "the engine is compiled at the first use of a geometry: a minute or more",
-                file=sys.stderr,
-                flush=True,
-            )
-        else:
-            load_kernels(setup["stepping"])
-            if threads > 1:
-                load_kernels("parallel")
+        load_kernels(setup)
+        if threads > 1 and not setup.get("geometry"):
+            load_kernels({**setup, "stepping": "parallel"})
         progress, clear = progress_line(setup)
     try:
         tables = run_case(row, setup, progress, threads)

@@ -171,7 +171,7 @@ def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
     from abradem.quantities import stderr_column
 
     say_origins(swept.fixed, own, filled)
-    load_kernels(own.setup["stepping"])
+    load_kernels(own.setup)
     table = simulate_cases(
         cases, own.setup, own.seed, rate_options(own.config), options.cores, _counter(len(cases))
     )

@@ -50,9 +50,29 @@ def cache_folder() -> Path:
         return _private_folder() / name
 
 
-def is_compiled(stepping: str) -> bool:
-    """Whether the kernels of a stepping are in the cache of this version of the engine."""
-    return any(cache_folder().glob(f"**/{stepping}.advance-*.nbi"))
+def is_compiled(stepping: str, on_surface: bool = False) -> bool:
+    """Whether the kernels of a stepping are in the cache of this version of the engine.
+
+    Those for a surface are compiled apart. Numba's index of a kernel holds the types of its
+    arguments, and of a surface that is a `mesh.Mesh`.
+    """
+    found = cache_folder().glob(f"**/{stepping}.advance-*.nbi")
+    return any(not on_surface or b"abradem.dem.mesh" in path.read_bytes() for path in found)
+
+
+def compiling_words(on_surface: bool = False) -> str:
+    """How often and how long the kernels are compiled, as text."""
+    least = "two minutes" if on_surface else "half a minute"
+    return f"once for this version of it on this machine: {least} or more"
+
+
+@contextlib.contextmanager
+def compiling():
+    """Context in which one process at a time compiles; others wait, and then find it done."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            _lock(stack.enter_context(open(cache_folder() / "compiling", "ab")))
+        yield
 
 
 def _user_folder() -> Path:

@@ -33,16 +33,16 @@ def plan_plate(problem, state, agenda, i, now):
     particle = state.particles[i]
     x, y, z = flying_place(problem, particle, now)
     vx, vy, vz = particle.vx, fall_speed(problem, particle, now), particle.vz
-    time = _time_to_walls(problem, state.mesh, now, x, y, z, vx, vy, vz)
+    time = _time_to_walls(problem, state.mesh, i, now, x, y, z, vx, vy, vz)
     agenda.plans[i].plate_due = max(due_step(problem, now, time), now + 1)
 
 
 @kernel(inline=True)
-def _time_to_walls(problem, mesh, now, x, y, z, vx, vy, vz):
-    """Lower bound of the time until a flying particle touches a wall or is removed, s."""
+def _time_to_walls(problem, mesh, i, now, x, y, z, vx, vy, vz):
+    """Lower bound of the time until flying particle i touches a wall or is removed, s."""
     if mesh is not None:
         until = time_in_box(problem, problem.box, x, y, z, vx, vy, vz)
-        return time_to_surface(problem, mesh, now, until, x, y, z, vx, vy, vz)
+        return time_to_surface(problem, mesh, i, now, until, x, y, z, vx, vy, vz)
     drop = max(y - problem.removal_height, 0.0)
     until = first_time_within(drop, vy, -problem.gravity, 0.0, 0.0)
     plate = time_to_plate(problem, x, y, z, vx, vy, vz)

@@ -195,7 +195,10 @@ def _touch_walls(problem, state, agenda, mesh, now):
     """Contacts of the awake particles with the plate or, if there is one, with the surface."""
     particles, awake = state.particles, agenda.awake
     if mesh is not None:
-        touch_surface(problem, state, mesh, now, awake, agenda.clock[0].awake)
+        touch_surface(
+            problem, particles, state.tally, state.facet_wear, mesh, now, awake,
+            agenda.clock[0].awake,
+        )  # fmt: skip
         return
     for k in range(agenda.clock[0].awake):
         particle = particles[awake[k]]

@@ -158,7 +158,7 @@ def _map(state: State) -> np.ndarray:
     """Copy of the wear of all facets, and of the other sums of the cells of a surface."""
     if state.mesh is None:
         return state.facet_wear.copy()
-    return np.concatenate([state.facet_wear[:, :, 0], state.mesh.sums])
+    return np.concatenate([state.facet_wear[:, :, 0], state.mesh.sums.T])
 
 
 def _status(outcome: int | str, record: Record) -> str:

@@ -111,7 +111,9 @@ def _touch_walls(problem, state, mesh):
     """Contacts with the plate or, if there is one, with the surface."""
     tally, particles, facet_wear = state.tally[0], state.particles, state.facet_wear
     if mesh is not None:
-        touch_surface(problem, state, mesh, tally.step + 1, None, tally.live)
+        touch_surface(
+            problem, particles, state.tally, facet_wear, mesh, tally.step + 1, None, tally.live
+        )
         return
     for i in range(tally.live):
         particle = particles[i]

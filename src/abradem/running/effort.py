@@ -7,15 +7,10 @@ import os
 from abradem.config.declaration import UNKNOWN, Config
 from abradem.config.geometry import geometry_ranges
 from abradem.config.values import sampled_ranges, setup_dict
-from abradem.dem.cache import is_compiled
+from abradem.dem.cache import compiling_words, is_compiled
 
 SECONDS_PER_JOB = 2.5
 """Start-up time of a job, s: interpreter, imports, loading of compiled code."""
-
-COMPILES = (
-    "after the engine is compiled, once for this version of it on this machine: half a minute or "
-    "more"
-)
 
 _LOOKED_AT = 1000
 """Largest number of cases whose time is estimated; further cases are assumed to be similar."""
@@ -82,11 +77,12 @@ def estimate(config: Config, cores: int | None = None) -> str:
     at_once = min(max(cores // config.threads, 1), jobs)
     shared = (config.cases * each + jobs * SECONDS_PER_JOB) / at_once
     seconds = max(shared, longest + SECONDS_PER_JOB)
+    needed = config.simulation.stepping, setup.get("geometry") is not None
+    compiles = f", after the engine is compiled, {compiling_words(needed[1])}"
     return (
         f"{config.study}: {_count(config.cases, 'case')} in {_count(sampling.blocks, 'block')}, "
         f"{_count(jobs, 'simulation job')}, simulated in about {_duration(seconds)} on "
-        f"{_count(cores, 'core')}"
-        + ("" if is_compiled(config.simulation.stepping) else f", {COMPILES}")
+        f"{_count(cores, 'core')}" + ("" if is_compiled(*needed) else compiles)
     )
 
 

@@ -194,10 +194,10 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping, threads: int) -> di
     from abradem.store.files import write_json
     from abradem.store.tables import write_table
 
-    if not row["rejected"] and not setup.get("geometry"):
+    if not row["rejected"]:
         # Otherwise the time of the first case of a job would include half a second of loading.
-        warm.load(setup.get("stepping", Setup.stepping))
-        if threads > 1:
+        warm.load(setup.get("stepping", Setup.stepping), bool(setup.get("geometry")))
+        if threads > 1 and not setup.get("geometry"):
             warm.load("parallel")
     start = time.process_time()
     tables = run_case(row, setup, threads=threads)
