@@ -188,8 +188,8 @@
 
   const ranges = [0, 1, 2].map((axis) => [data.box[0][axis] * MM, data.box[1][axis] * MM]);
   const spans = ranges.map(([low, high]) => high - low);
-  // Equal axes, with the diagonal of a cube of edge 1, so that a long box is not small.
-  const unitLength = Math.hypot(...spans) / Math.sqrt(3);
+  // Equal axes, with the diagonal of a cube of edge 1, so that a long box is not small, nor cut.
+  const unitLength = Math.max(Math.hypot(...spans) / Math.sqrt(3), Math.max(...spans) / 1.2);
   const axis = (place, text) => ({
     range: ranges[place], autorange: false, title: { text }, showspikes: false, nticks: 5,
     gridcolor: "#dddddd", zeroline: false, showbackground: false,
