@@ -299,11 +299,11 @@ def batch_means(
         than ``minimum``.
     """
     time = np.asarray(time, dtype=float)
-    samples = np.count_nonzero(time > start)
+    samples = int(np.count_nonzero(time > start))
     if minimum < 3 or not samples >= minimum:
         return BatchMeans(np.nan, np.nan, np.nan, 0)
     wanted = min(2 * minimum, samples)
-    edges = np.linspace(start, time[-1], wanted + 1)
+    edges: np.ndarray = np.linspace(start, time[-1], wanted + 1)
     if release_interval > 0.0:
         end = _quiet_end(time, cumulative, start, release_interval)
         intervals = int((end - start) / release_interval * (1.0 + ROUNDING_OF_TIMES))
