@@ -258,8 +258,8 @@ def test_replicates_are_of_cases_with_large_particles_and_differ_by_seed_alone()
 
 
 def test_the_quantities_of_a_planted_law_are_found(given, process):
-    indices = sobol(process, given, points=512, draws=20, seed=1)
-    falls = permutation(given, repeats=2, seed=1)
+    indices = sobol(process, given, points=512, draws=8, seed=1)
+    falls = permutation(given, repeats=1, seed=1)
     wear = indices[indices["explained"] == "wear"].set_index("feature")
     planted = {"archard_constant", "particle_velocity_y", "plate_angle"}
     assert set(wear["total"].nlargest(3).index) == planted
@@ -281,12 +281,11 @@ def test_sobol_intervals_follow_from_the_seed_alone(given, process):
     pd.testing.assert_frame_equal(first, sobol(process, given, **options))
 
 
-def test_sobol_intervals_are_wider_where_the_model_is_less_sure(given):
+def test_sobol_intervals_are_wider_where_the_model_is_less_sure(given, process):
     # The same law from a sixth of the rows.
     widths = []
-    for rows in (np.arange(25), np.arange(150)):
-        process = fitted(makers(1)[PROCESS], given, rows)
-        found = sobol(process, given, points=512, draws=12, seed=1).query("explained == 'log wear'")
+    for model in (fitted(makers(1)[PROCESS], given, np.arange(25)), process):
+        found = sobol(model, given, points=256, draws=12, seed=1).query("explained == 'log wear'")
         assert (found["total_lower"] <= found["total"]).all()
         assert (found["total"] <= found["total_upper"]).all()
         widths.append((found["total_upper"] - found["total_lower"]).sum())
