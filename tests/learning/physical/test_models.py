@@ -57,6 +57,12 @@ def given():
 
 
 @pytest.fixture(scope="module")
+def few():
+    """A smaller table, for what does not depend on how well the models learn."""
+    return problem(law(60), JET)
+
+
+@pytest.fixture(scope="module")
 def process(given):
     everything = np.arange(len(given.log_number))
     return makers(1)[PROCESS]().fit(given.groups[everything], given.log_number, given.error)
@@ -331,29 +337,29 @@ def test_rows_beyond_a_bound_are_not_trained_on(given):
 # Findings
 
 
-def test_the_findings_repeat_the_numbers(given):
+def test_the_findings_repeat_the_numbers(few):
     models = makers(1, **HASTY)
-    results, exponents, summary, (description, arrays) = fit_physical(given, models, repeats=2)
-    predictions = with_scale(results.predictions, law(), JET)
+    results, exponents, summary, (description, arrays) = fit_physical(few, models, repeats=2)
+    predictions = with_scale(results.predictions, law(60), JET)
     scores = join_tables([results.scores, number_scores(predictions, "t")])
     comparison = compare(scores, predictions, draws=100)
     assert description["kind"] == "gaussian_process" and "rows" in arrays
     assert {"quantity", "group"} == set(exponents["kind"])
-    intervals = calibrate(given, 3).summary
-    curve = learning_curve(given, {POWER_LAW: models[POWER_LAW]}, repeats=2)
+    intervals = calibrate(few, 3).summary
+    curve = learning_curve(few, {POWER_LAW: models[POWER_LAW]}, repeats=2)
     floor = {"r2_floor": 0.999, "r2_floor_band": [0.998, 0.9995], "replicates": 8, "cases": 2,
              "r2_floor_of_stated_errors": 0.9985, "ratio": 1.5}  # fmt: skip
     speed = {"simulated_seconds": {"mean": 2.0, "median": 0.1}, "cases": [1], "radii": [0.02],
              "batch": 10, "predicted_seconds": 1e-4, "predictions_per_second": 1e6, "speed_up": 2e4,
              "speed_up_of_a_batch": 2e6}  # fmt: skip
-    process = fitted(models[PROCESS], given, np.arange(len(given.log_number)))
-    indices = sobol(process, given, points=64, draws=5, seed=1)
-    falls = permutation(given, repeats=1, seed=1)
+    process = fitted(models[PROCESS], few, np.arange(len(few.log_number)))
+    indices = sobol(process, few, points=64, draws=5, seed=1)
+    falls = permutation(few, repeats=1, seed=1)
     text = dict(
         findings(
             summary, intervals, {"scores": summary["scores"][PROCESS]}, verdict(indices),
-            curve, extrapolate(given, models), indices, falls, comparison,
-            error_by_region(predictions, law()), None, floor,
+            curve, extrapolate(few, models), indices, falls, comparison,
+            error_by_region(predictions, law(60)), None, floor,
             speed,
         )
     )  # fmt: skip
