@@ -113,7 +113,7 @@ rule summary:
         options={
             "good_r2": CONFIG.wear_rate.good_r2,
             "external": CONFIG.dataset.external,
-            "element_size": TARGET["element_size"],
+            **{name: TARGET[name] for name in ("element_size", "cells", "part")},
         },
         code=code_of("report/summary"),
     script:
@@ -135,7 +135,11 @@ rule overview:
     conda:
         "../envs/abradem.yaml"
     params:
-        options={"study": CONFIG.study, "confidence": LEARNING.confidence},
+        options={
+            "study": CONFIG.study,
+            "confidence": LEARNING.confidence,
+            "surface": WORN_SURFACE,
+        },
         code=code_of("report/overview"),
     script:
         "../scripts/report/overview.py"
