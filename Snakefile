@@ -68,6 +68,7 @@ elif SIMULATED:
 
     include: "workflow/rules/sampling.smk"
     include: "workflow/rules/simulation.smk"
+    include: "workflow/rules/scenes.smk"
     include: "workflow/rules/wear.smk"
     include: "workflow/rules/dataset.smk"
 
@@ -95,6 +96,19 @@ if WEARS_SURFACE and not CALIBRATES:
         rules.dataset.output,
         rules.surface.input,
     ]
+    if LEARNS_SURFACE:
+
+        include: "workflow/rules/baselines.smk"
+        include: "workflow/rules/physical.smk"
+        include: "workflow/rules/learning.smk"
+        include: "workflow/rules/figures.smk"
+        include: "workflow/rules/report.smk"
+
+        WHOLE_STUDY += [
+            rules.learning.input,
+            rules.figures.input,
+            rules.documents.input,
+        ]
 
 elif not CALIBRATES:
 

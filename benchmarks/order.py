@@ -4,7 +4,8 @@
 
 reads the processor time of every case of finished studies. For each study it prints the time that
 two cores would need for its jobs in the order of their numbers, of the estimated times and of the
-actual times. It then fits the constants of `abradem.sampling.cost` to all studies and prints both.
+actual times. It then fits the constants of `abradem.sampling.cost` to all studies of the plate and
+prints both. Those of geometries are in `abradem.sampling.surface_cost`.
 """
 
 from __future__ import annotations
@@ -132,6 +133,9 @@ def main() -> None:
     studies = [read_times(folder) for folder in parser.parse_args().studies]
     for study in studies:
         print_comparison(study)
+    studies = [one for one in studies if one.study.config.simulation.geometry.kind == "plate"]
+    if not studies:
+        return
     costs = fit(studies)
     print("\nfitted to these times:")
     for name, value, now in zip(cost.Costs._fields, costs, cost.COSTS, strict=True):

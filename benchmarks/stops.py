@@ -5,8 +5,8 @@
 
 Records of a fixed length are simulated with many seeds, and the stop rule is replayed on them (the
 engine ends at the same sample, tests/dem/test_stop.py). The true rate is the mean of all records
-over whole release intervals. The interval is the rate -+ Student's t with one degree of freedom
-less than batches, times the standard error. Beside the rule: a stop at the first standard error at
+over whole release intervals. The interval is the rate -+ Student's t, of the degrees of freedom of
+the standard error, times that error. Beside the rule: a stop at the first standard error at
 the target, from 20 batches that do not regard the releases.
 """
 
@@ -36,7 +36,7 @@ CORNERS = (
 
 
 def by_the_rule(setup, time, worn, present, release_interval):
-    """Rate, standard error, batches and end of a record by the stop rule."""
+    """Rate, standard error, its freedom and end of a record by the stop rule."""
     rule = StopRule(setup, time[1], release_interval)
     past = slice(len(time))
     while rule.next_look < len(time):
@@ -45,7 +45,7 @@ def by_the_rule(setup, time, worn, present, release_interval):
             past = look
             break
     steady = rule.steady(time[past], worn[past], present[past])
-    return steady.rate, steady.relative_stderr * steady.rate, steady.batches, time[past][-1]
+    return steady.rate, steady.relative_stderr * steady.rate, steady.freedom, time[past][-1]
 
 
 def by_the_first_look(setup, time, worn, present, release_interval):
@@ -60,7 +60,7 @@ def by_the_first_look(setup, time, worn, present, release_interval):
         complete = steady.settled and steady.complete(sample // rule.map_samples + 1)
         small = complete and found.stderr <= setup.target_stderr * found.rate
         if small or sample == len(time) - 1:
-            return found.rate, found.stderr, found.batches, time[sample]
+            return found.rate, found.stderr, found.freedom, time[sample]
         if complete:
             sample = max(sample + 1, math.ceil(CHECK_GROWTH * sample))
         else:
@@ -69,8 +69,8 @@ def by_the_first_look(setup, time, worn, present, release_interval):
 
 def line(name: str, ended, truth: float, truth_error: float) -> str:
     """One line of the table: end, bias and coverage with their standard errors."""
-    rate, stderr, batches, end = np.array(ended).T
-    reach = stats.t.ppf(0.975, batches - 1) * stderr
+    rate, stderr, freedom, end = np.array(ended).T
+    reach = stats.t.ppf(0.975, freedom) * stderr
     count = len(rate)
     bias = 100.0 * (rate.mean() / truth - 1.0)
     bias_error = 100.0 * math.hypot(rate.std(ddof=1) / math.sqrt(count), truth_error) / truth

@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from abradem.learning.model_files import write_model
-from abradem.quantities import SAMPLED
-from abradem.surrogate.groups import GROUP_NAMES, wear_scale
+from abradem.quantities import quantity
+from abradem.surrogate.groups import group_names, input_names, wear_scale
 
 NUMBER, SPREAD, SCORES = 0.02, 0.1, np.full(99, 2.0)
 """Wear number, its relative standard deviation, held-out errors in standard deviations."""
@@ -16,15 +16,19 @@ def write_flat_surrogate(stem, jet, target="wear_friction_p99"):
     """Write the two files of the surrogate."""
     description = {
         "kind": "surrogate",
-        "jet": jet._asdict(),
-        "groups": list(GROUP_NAMES),
+        "jet": jet.stored(),
+        "groups": list(group_names(jet)),
         "target": {"name": target, "unit": "mm/s"},
         "features": [
-            {"name": row.name, "unit": row.unit, "training_range": list(row.paper_range)}
-            for row in SAMPLED
+            {
+                "name": row.name,
+                "unit": row.unit,
+                "training_range": list(row.paper_range or row.limits),
+            }
+            for row in map(quantity, input_names(jet))
         ],
     }
-    width = len(GROUP_NAMES)
+    width = len(group_names(jet))
     nothing = np.zeros((width, 1), dtype=np.float32)
     arrays = {
         "group_mean": np.zeros(width),

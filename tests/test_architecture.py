@@ -227,7 +227,7 @@ def test_a_stage_has_one_name(rules):
     if rules.stem == "common":
         return
     # A table from elsewhere takes the place of the data set's.
-    stage = {"external": "dataset"}.get(rules.stem, rules.stem)
+    stage = {"external": "dataset", "scenes": "report"}.get(rules.stem, rules.stem)
     parents = {"baselines": "learning", "physical": "learning"}
     folder = Path(parents.get(stage, ""), stage)
     assert (SCRIPTS / stage).is_dir(), f"workflow/scripts/{stage}"

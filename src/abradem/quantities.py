@@ -28,17 +28,17 @@ class Quantity:
     Attributes
     ----------
     symbol : str
-        X1..X21.
+        X1..X21; others for quantities of a geometry.
     name : str
         Column name; SI unless the name says otherwise.
     unit : str
         Unit of the column, "1" if dimensionless.
-    kind : {"sampled", "derived", "target"}
+    kind : {"sampled", "derived", "target", "geometry"}
     paper_range : tuple of float
         Lower and upper bound in the default study, in ``unit`` (sampled only).
     limits : tuple of float
         Range of values that are physically possible and that the engine can simulate, in
-        ``unit``, inclusive (sampled only).
+        ``unit``, inclusive (sampled and geometry).
     config_suffix : str
         Suffix of the key in the configuration, "" if the key is in ``unit``.
     config_factor : float
@@ -147,25 +147,46 @@ SAMPLED_NAMES: tuple[str, ...] = tuple(q.name for q in SAMPLED)
 MOST_PLATES = 8
 """Largest number of plates of a chain."""
 
-GEOMETRY_UNITS: dict[str, str] = {
+_EXTENT, _SMALLEST = 100.0, 1e-6
+"""Largest length of a geometry and smallest one that is above 0, m."""
+
+# Unit, limits and name of the dimensionless group of a number of a geometry, see
+# `abradem.surrogate.geometry_groups`.
+_SIZE = ("m", (_SMALLEST, _EXTENT), "log_{}")
+_OFFSET = ("m", (-_EXTENT, _EXTENT), "{}_ratio")
+_SLOPE = ("deg", (-90.0, 90.0), "{}")
+
+_TURN = ("deg", (-180.0, 180.0), "{}")
+_BELT = ("m/s", (-_EXTENT, _EXTENT), "{}_ratio")
+
+# Symbol and kind of each number of a geometry.
+_GEOMETRY: dict[str, tuple[str, tuple[str, tuple[float, float], str]]] = {
     **{
-        f"plate_{place}_{name}": unit
+        f"plate_{place}_{name}": (f"{symbol}{place}", kind)
         for place in range(1, MOST_PLATES + 1)
-        for name, unit in (
-            ("length", "m"), ("width", "m"), ("angle", "deg"), ("gap", "m"), ("drop", "m"),
-            ("belt", "m/s"),
+        for name, symbol, kind in (
+            ("length", "l", _SIZE), ("width", "b", _SIZE), ("angle", "phi", _TURN),
+            ("gap", "x", _OFFSET), ("drop", "h", _OFFSET), ("belt", "u", _BELT),
         )
     },
-    "arc_radius": "m", "arc_begin": "deg", "arc_end": "deg", "arc_width": "m",
-    **{
-        f"screw_{name}": "m"
-        for name in ("length", "radius", "shaft_radius", "pitch", "clearance", "rim")
-    },
-    "screw_revolutions": "rev/min",
+    "arc_radius": ("Ra", _SIZE), "arc_begin": ("a0", _SLOPE), "arc_end": ("a1", _SLOPE),
+    "arc_width": ("ba", _SIZE),
+    "screw_length": ("ls", _SIZE), "screw_radius": ("Rs", _SIZE),
+    "screw_shaft_radius": ("rs", _SIZE), "screw_pitch": ("ps", _SIZE),
+    "screw_clearance": ("cs", _SIZE), "screw_rim": ("hs", _SIZE),
+    "screw_revolutions": ("ns", ("rev/min", (-1e4, 1e4), "{}_ratio")),
 }  # fmt: skip
+
+GEOMETRY_UNITS: dict[str, str] = {name: unit for name, (_, (unit, _, _)) in _GEOMETRY.items()}
 """Quantities of a geometry that may be sampled, with their units: columns of the cases."""
 
 GEOMETRY_NAMES: tuple[str, ...] = tuple(GEOMETRY_UNITS)
+
+GEOMETRY_GROUPS: dict[str, str] = {
+    name: group.format(name) for name, (_, (_, _, group)) in _GEOMETRY.items()
+}
+"""Name of the dimensionless group of each quantity of a geometry: ``log_`` for the logarithm of a
+length, ``_ratio`` for a ratio that may be 0 or negative, the quantity itself for an angle."""
 
 
 def wear_column(measure: str, statistic: str) -> str:
@@ -187,8 +208,20 @@ def wear_parts(column: str) -> tuple[str, str]:
 
 
 # Every wear rate is the target X21 of the study that predicts it.
-_BY_NAME = {
+_BY_NAME: dict[str, Quantity] = {
     **{q.name: q for q in QUANTITIES},
+    **{
+        name: Quantity(
+            symbol,
+            name,
+            unit,
+            "geometry",
+            limits=limits,
+            config_suffix="_mm" if unit == "m" else "",
+            config_factor=_MILLI if unit == "m" else 1.0,
+        )
+        for name, (symbol, (unit, limits, _)) in _GEOMETRY.items()
+    },
     **{column: replace(TARGET, name=column) for column in WEAR_COLUMNS},
 }
 

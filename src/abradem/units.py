@@ -44,6 +44,7 @@ SYMBOLS: dict[str, tuple[Fraction, tuple[int, int, int, int]]] = {
     "bar": (Fraction(100_000), (1, -1, -2, 0)),
     "rad": (Fraction(1), (0, 0, 0, 1)),
     "deg": (1 / _DEGREE, (0, 0, 0, 1)),
+    "rev": (360 / _DEGREE, (0, 0, 0, 1)),
     "in": (_FOOT / 12, (0, 1, 0, 0)),
     "ft": (_FOOT, (0, 1, 0, 0)),
     "lb": (_POUND, (1, 0, 0, 0)),
@@ -76,6 +77,7 @@ _WORDS = {
     "centimeter": "cm", "centimetre": "cm", "gram": "g", "grams": "g", "kilogram": "kg",
     "kilograms": "kg", "newton": "N", "pascal": "Pa", "liter": "l", "litre": "l", "minute": "min",
     "minutes": "min", "lbs": "lb", "tonne": "t", "tonnes": "t", "kmh": "km/h", "cc": "cm3",
+    "rpm": "rev/min",
 }  # fmt: skip
 
 ACCEPTED = {
@@ -85,6 +87,7 @@ ACCEPTED = {
     "deg": ("deg", "rad"),
     "m": ("m", "cm", "mm", "um", "in"),
     "m/s": ("m/s", "mm/s", "km/h", "ft/s"),
+    "rev/min": ("rev/min", "deg/s", "rad/s"),
     "kg/s": ("kg/s", "g/s", "t/h"),
     "mm/s": ("mm/s", "m/s", "um/s", "mm/h"),
     "s": ("s", "ms", "min", "h"),

@@ -13,7 +13,7 @@ from straight_engine import RATE, straight_line
 
 import abradem
 import abradem.dem
-from abradem.cli.case_input import patch_words, read_setup
+from abradem.cli.case_input import middle_of_ranges, patch_words, read_setup
 from abradem.cli.given_values import given_values, swept_values
 from abradem.cli.main import _parser, main
 from abradem.config import load_config, setup_dict
@@ -49,7 +49,7 @@ def asked(monkeypatch, here):
 
     monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
     for command in ("simulate", "sweep_cases"):
-        monkeypatch.setattr(f"abradem.cli.{command}.load_kernels", lambda stepping: None)
+        monkeypatch.setattr(f"abradem.cli.{command}.load_kernels", lambda setup: None)
     return found
 
 
@@ -307,8 +307,8 @@ def test_all_that_is_wrong_is_told_at_once_and_nothing_is_simulated(capsys, aske
         (["--config", "none.yaml"], "none.yaml: there is no such file"),
         (["--set", "mass_rate_kg_s=1", "--map", "x.vtp"],
          "--map x.vtp: the plate is shown by snakemake vtk (allowed with a geometry)"),
-        (["--set", "geometry.kind=arc", "--model", "m"],
-         "--model m: a surrogate predicts the plate alone (allowed without a geometry)"),
+        (["--set", "geometry.kind=arc", "factory_angle=-30deg"],
+         "factory_angle: means nothing with geometry.kind: arc (allowed without it)"),
     ],
 )  # fmt: skip
 def test_one_line_says_what_is_wrong(capsys, asked, arguments, line):
@@ -332,8 +332,11 @@ def test_a_geometry_with_ranges_is_in_their_middle(capsys, asked):
     )
     problems = []
     options = _parser().parse_args(["simulate", "--config", "g.yaml"])
-    shape = read_setup(options, problems).setup["geometry"]["shape"]
-    assert problems == [] and shape["radius"] == 0.5 and shape["end"] == 20.0
+    own = read_setup(options, problems)
+    shape = own.setup["geometry"]["shape"]
+    assert problems == [] and shape["radius"] == "arc_radius" and shape["end"] == 20.0
+    assert middle_of_ranges(own, [])["arc_radius"] == 0.5
+    assert "arc_radius" not in middle_of_ranges(own, ["arc_radius"])
 
 
 def test_a_check_of_a_configuration_reads_its_mesh(capsys, here):
@@ -349,17 +352,18 @@ def test_a_check_of_a_configuration_reads_its_mesh(capsys, here):
 # The kernels
 
 
+@pytest.mark.parametrize("geometry", [None, {"kind": "arc"}])
 @pytest.mark.parametrize("compiled", [True, False])
-def test_a_compilation_is_said_before_and_after(monkeypatch, capsys, compiled):
+def test_a_compilation_is_said_before_and_after(monkeypatch, capsys, compiled, geometry):
     from abradem.cli.case_input import load_kernels
     from abradem.dem import cache, warm
 
     loaded = []
-    monkeypatch.setattr(cache, "is_compiled", lambda stepping: compiled)
-    monkeypatch.setattr(warm, "load", loaded.append)
-    load_kernels("islands")
+    monkeypatch.setattr(cache, "is_compiled", lambda *needed: compiled)
+    monkeypatch.setattr(warm, "load", lambda *needed: loaded.append(needed))
+    load_kernels({"stepping": "islands", "geometry": geometry})
     lines = capsys.readouterr().err.splitlines()
-    assert loaded == ["islands"]
+    assert loaded == [("islands", geometry is not None)]
     assert len(lines) == (0 if compiled else 2)
     if not compiled:
         assert lines[0].startswith("compiling the engine, once") and lines[1] == "compiled in 0 s"
@@ -377,8 +381,73 @@ def test_a_stepping_is_compiled_when_its_kernel_is_in_the_cache(monkeypatch, tmp
 def test_the_real_kernels_are_found_in_the_cache_once_they_are_loaded():
     from abradem.dem import cache, warm
 
-    warm.load("islands")
-    assert cache.is_compiled("islands")
+    for on_surface in (False, True):
+        warm.load("islands", on_surface)
+        assert cache.is_compiled("islands", on_surface)
+
+
+def test_the_kernels_of_the_plate_are_not_those_of_a_surface(monkeypatch, tmp_path):
+    from abradem.dem import cache
+
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    (tmp_path / "islands.advance-80.py311.nbi").write_bytes(b"abradem.dem.state")
+    assert cache.is_compiled("islands") and not cache.is_compiled("islands", on_surface=True)
+    (tmp_path / "islands.advance-80.py311.nbi").write_bytes(b"abradem.dem.state abradem.dem.mesh")
+    assert cache.is_compiled("islands", on_surface=True)
+
+
+def test_processes_compile_one_after_the_other(monkeypatch, tmp_path):
+    """While one compiles, another waits: it cannot have the lock before the first is done."""
+    import subprocess
+    import sys
+
+    from abradem.dem import cache
+
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    code = (
+        "import sys, pathlib; from abradem.dem import cache; "
+        "cache.cache_folder = lambda: pathlib.Path(sys.argv[1])\n"
+        "print('asks', flush=True)\n"
+        "with cache.compiling(): print('has', flush=True)"
+    )
+    with cache.compiling():
+        other = subprocess.Popen(
+            [sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, text=True
+        )
+        assert other.stdout.readline() == "asks\n"
+        with pytest.raises(subprocess.TimeoutExpired):
+            other.wait(0.5)
+    assert other.communicate(timeout=60)[0] == "has\n"
+
+
+# Threads
+
+
+@pytest.mark.parametrize(
+    ("options", "threads"),
+    [((), 1), (("--threads", "3"), 3), (("--set", "simulation.threads=2"), 2)],
+)
+def test_threads_are_those_asked_for_or_of_the_configuration(
+    monkeypatch, capsys, asked, options, threads
+):
+    given, loaded = [], []
+
+    def simulate(case, setup, threads=1):
+        given.append(threads)
+        return straight_line(case, setup)
+
+    monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
+    monkeypatch.setattr("abradem.cli.simulate.load_kernels", loaded.append)
+    assert run(capsys, "simulate", *options)[0] == 0
+    assert given == [threads]
+    assert loaded == ["islands"] + ["parallel"] * (threads > 1)
+
+
+@pytest.mark.parametrize("text", ["0", "65", "1.5", "many"])
+def test_a_number_of_threads_that_is_impossible_is_refused(capsys, asked, text):
+    with pytest.raises(SystemExit):
+        main(["simulate", "--threads", text])
+    assert f"'{text}' is not a number of threads (allowed 1 ... 64)" in capsys.readouterr().err
 
 
 # Lists and ranges
@@ -557,8 +626,8 @@ def test_all_that_is_wrong_with_a_sweep_is_told_at_once(capsys, asked):
          "the sweep has 42671 cases (allowed 20000)"),
         (["plate_angle=0,3", "--surrogate", "--seed", "1"],
          "--seed is for simulations, without --surrogate"),
-        (["plate_angle=0,3", "--surrogate", "--set", "geometry.kind=arc"],
-         "--surrogate predicts the plate alone (allowed without a geometry)"),
+        (["plate_angle=0,3", "--set", "geometry.kind=arc"],
+         "plate_angle: means nothing with geometry.kind: arc (allowed without it)"),
         (["plate_angle=0,3", "--geometry", "none.stl", "--output", "s.csv"],
          "no case can be simulated: none.stl: there is no such file"),
         (["plate_angle=0,3", "--surrogate"],

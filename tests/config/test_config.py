@@ -1019,11 +1019,25 @@ def test_whatever_is_given_ends_in_a_configuration_or_in_one_line_per_problem(va
 
 @pytest.mark.parametrize("compiled", [True, False])
 def test_estimate_is_one_line_that_counts_cases_blocks_and_jobs(compiled, monkeypatch):
-    monkeypatch.setattr(effort, "is_compiled", lambda stepping: compiled)
+    monkeypatch.setattr(effort, "is_compiled", lambda stepping, on_surface: compiled)
     config = read_config(CONFIG, ROOT / "studies/smoke.yaml")
     line = estimate(config, cores=2)
     assert line.startswith("smoke: 12 cases in 2 blocks, 4 simulation jobs, simulated in about ")
-    assert line.endswith(" on 2 cores" if compiled else f" on 2 cores, {effort.COMPILES}")
+    end = "" if compiled else f", after the engine is compiled, {effort.compiling_words()}"
+    assert line.endswith(f" on 2 cores{end}")
+
+
+def test_threads_change_no_setup_and_a_geometry_uses_one():
+    """What determines a case is the set-up, which is a parameter of the rules."""
+    one, four = (
+        Config.model_validate({"study": "a", "simulation": {"threads": threads}})
+        for threads in (1, 4)
+    )
+    assert setup_dict(one) == setup_dict(four)
+    assert (one.threads, four.threads) == (1, 4)
+    chute = {"kind": "mesh", "mesh": {"file": "chute.stl"}}
+    study = {"study": "a", "simulation": {"threads": 4, "geometry": chute}}
+    assert Config.model_validate(study).threads == 1
 
 
 def seconds_told(config, cores):

@@ -91,11 +91,101 @@ def test_a_level_factory_is_one_at_an_angle_of_zero():
         ({"angle_acts": "swing"}, "angle_acts = 'swing' is unknown; allowed: tilt, level, arc"),
         ({"angle_acts": "arc", "arc_radius": 0.25}, "must be less than fall_height"),
         ({"angle_acts": "arc", "arc_radius": -0.1}, "arc_radius = -0.1"),
+        ({"unplaced": "lose"}, "unplaced = 'lose' is unknown; allowed: wait, skip"),
+        ({"attempts": 0}, "attempts = 0 must be a whole number from 1 to 10000"),
+        ({"attempts": 2.5}, "attempts = 2.5 must be a whole number from 1 to 10000"),
     ],
 )
 def test_a_factory_that_cannot_be_is_refused(change, words):
     with pytest.raises(ValueError, match=words):
         replace(SHORT, **change)
+
+
+def releases_one_by_one(problem, last):
+    """Place and step of each particle released before a step, and the number left out.
+
+    A slow, obvious twin of the factory for particles that only fall: all have the same velocity
+    at the release, so they never meet.
+    """
+    found, left_out, draws, step = [], 0, 0, 0
+
+    def due(number):
+        return math.ceil((number + 0.5) / (problem.rate * problem.dt))
+
+    def is_free(x, z):
+        for other_x, other_z, since in found:
+            time = problem.dt * (step - since)
+            fallen = -problem.release_velocity[1] * time + 0.5 * problem.gravity * time**2
+            if (x - other_x) ** 2 + (z - other_z) ** 2 + fallen**2 < 4.0 * problem.radius**2:
+                return False
+        return True
+
+    while step < last:
+        later = None
+        while later is None and due(len(found) + left_out) <= step:
+            number = len(found) + left_out
+            for _ in range(problem.attempts):
+                x = problem.patch_half_length * (2.0 * uniform(problem.seed, number, draws) - 1.0)
+                z = problem.patch_half_width * (2.0 * uniform(problem.seed, number, draws + 1) - 1)
+                draws += 2
+                if is_free(x, z):
+                    found.append((x, z, step))
+                    draws = 0
+                    break
+            else:
+                if problem.skips:
+                    left_out, draws = left_out + 1, 0
+                else:
+                    later = step + problem.retry_steps
+        step = later or due(len(found) + left_out)
+    return np.array(found), left_out
+
+
+CROWDED = replace(SHORT, mass_rate=None, number_rate=600.0, fall_height=1.0)
+
+
+@pytest.mark.parametrize("attempts", [1, 3, 100])
+@pytest.mark.parametrize("unplaced", ["wait", "skip"])
+def test_a_crowded_factory_places_what_one_by_one_finds_room(unplaced, attempts):
+    setup = replace(CROWDED, attempts=attempts, unplaced=unplaced)
+    problem, schedule = make_problem(replace(CASE, particle_velocity_y=-0.5), setup)
+    state = make_state(problem, 256)
+    last = round(0.25 / problem.dt)
+    assert synchronous.advance(problem, schedule, state, last) == DONE
+    live = state.particles[: state.tally["live"][0]]
+    found, left_out = releases_one_by_one(problem, last)
+    assert state.tally["skipped"][0] == left_out
+    assert (left_out > 0) == (unplaced == "skip")
+    assert 10 < len(found) < 0.25 * CROWDED.number_rate
+    np.testing.assert_array_equal(live["anchor_step"], found[:, 2])
+    np.testing.assert_allclose(live["anchor_x"], found[:, 0], atol=1e-15)
+    np.testing.assert_allclose(live["anchor_z"], found[:, 1], atol=1e-15)
+
+
+def test_a_feed_that_is_not_made_up_for_is_lost_more_by_slow_particles():
+    """With a single attempt the chance of room is the share of the patch that is free."""
+    setup = replace(CROWDED, attempts=1, unplaced="skip", fall_height=0.3, duration=0.5)
+    shares = []
+    for speed in (0.5, 2.0, 8.0):
+        result = simulate(replace(CASE, particle_velocity_y=-speed), setup)
+        shares.append(result.delivered_rate / result.requested_rate)
+        assert result.status == "ok"
+    assert shares[0] < 0.7 * shares[1] < 0.7 * 0.9 * shares[2]
+    waited = simulate(
+        replace(CASE, particle_velocity_y=-8.0), replace(setup, unplaced="wait", attempts=100)
+    )
+    assert waited.delivered_rate > 1.02 * shares[2] * waited.requested_rate
+
+
+def test_both_steppings_leave_out_the_same_particles():
+    setup = replace(CROWDED, attempts=2, unplaced="skip", fall_height=0.25, duration=0.3)
+    case = replace(CASE, particle_velocity_y=-1.0)
+    islands, synchronous_ = (
+        simulate(case, replace(setup, stepping=name)) for name in ("islands", "synchronous")
+    )
+    np.testing.assert_array_equal(islands.worn, synchronous_.worn)
+    np.testing.assert_array_equal(islands.facet_wear_all, synchronous_.facet_wear_all)
+    assert islands.released == synchronous_.released < 0.9 * 0.3 * CROWDED.number_rate
 
 
 def test_a_number_rate_is_delivered_to_within_one_particle():

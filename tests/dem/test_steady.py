@@ -5,6 +5,7 @@ import pytest
 
 from abradem.dem.steady import (
     LARGEST_CHANGE,
+    LEAST_FACTOR,
     batch_means,
     change,
     integral,
@@ -262,13 +263,77 @@ def test_intervals_of_batch_means_cover_the_truth(correlation):
     from scipy.stats import binom, t
 
     rng = np.random.default_rng(4)
-    count, factor = 200, t.ppf(0.975, 19)
+    count = 200
     covered = 0
     for _ in range(count):
         means = batch_means(*series(rng, until=10.0, correlation=correlation), 0.0)
-        covered += abs(means.rate - 100.0) <= factor * means.stderr
+        covered += abs(means.rate - 100.0) <= t.ppf(0.975, means.freedom) * means.stderr
     low = binom.ppf(0.001, count, 0.95 if correlation == 0 else 0.90)
     assert covered >= low
+
+
+def of_batches(means):
+    """`batch_means` of a series with these rates in equal batches of 1 s, one sample each."""
+    return batch_means(
+        np.arange(len(means) + 1.0), np.append(0.0, np.cumsum(means)), 0.0, len(means) // 2
+    )
+
+
+def test_the_error_of_independent_batches_has_no_bias():
+    """The expectation of a square sum under the covariance 1 is its sum over unit vectors."""
+    number = 40
+    squares = [of_batches(row).stderr ** 2 for row in np.eye(number)]
+    assert sum(squares) == pytest.approx(1.0 / number, rel=1e-12)
+
+
+def test_the_freedom_is_that_of_the_quadratic_form():
+    """x'Ax of normal x has the mean tr A and the variance 2 tr A^2: freedom (tr A)^2 / tr A^2."""
+    number = 40
+    centred = np.eye(number) - 1.0 / number
+    neighbours = np.eye(number) + np.eye(number, k=1) + np.eye(number, k=-1)
+    form = centred @ neighbours @ centred / ((number - 1) * (number - 2))
+    means = np.random.default_rng(23).normal(size=number)
+    found = of_batches(means)
+    assert -0.375 < found.lag1 < 0.26
+    assert found.stderr**2 == pytest.approx(means @ form @ means, rel=1e-12)
+    freedom = np.trace(form) ** 2 / np.trace(form @ form)
+    assert found.freedom == pytest.approx(freedom, rel=0.01)
+
+
+def test_the_error_is_that_of_pairs_and_batches_extrapolated():
+    """Slow twin: of overlapping pairs and batches, the variances V_2 and V_1 give 2 V_2 - V_1."""
+    means = np.random.default_rng(24).normal(5.0, 1.0, 50)
+    found = of_batches(means)
+    off = means - means.mean()
+    single = sum(x * x for x in off) / 50
+    pairs = sum(0.5 * (off[i] + off[i + 1]) ** 2 for i in range(49)) / 50
+    ends = 0.5 * (off[0] ** 2 + off[-1] ** 2) / 50
+    expected = (2.0 * (pairs + ends) - single) / 49 * 50 / 48
+    assert -0.375 < found.lag1 < 0.23
+    assert found.stderr**2 == pytest.approx(expected, rel=1e-12)
+
+
+def test_what_a_batch_wears_less_at_its_edge_its_neighbour_wears_more():
+    """The scatter of the edges is not that of the mean: independent batches give 1.3 times it."""
+    rng = np.random.default_rng(25)
+    found, plain = [], []
+    for _ in range(400):
+        edges = 0.6 * rng.normal(size=41)
+        means = 100.0 + rng.normal(size=40) + np.diff(edges)
+        found.append(of_batches(means))
+        plain.append(means.std(ddof=1) / np.sqrt(40))
+    true = np.sqrt(1.0 / 40 + 2.0 * 0.6**2 / 40**2)
+    assert np.std([means.rate for means in found]) == pytest.approx(true, rel=0.15)
+    stated = np.sqrt(np.mean([means.stderr**2 for means in found]))
+    assert stated == pytest.approx(true, rel=0.08)
+    assert np.mean(plain) > 1.2 * true
+
+
+def test_the_error_is_never_less_than_half_of_that_of_independent_batches():
+    means = 1.0 + np.resize([0.5, -0.5], 40)
+    found = of_batches(means)
+    assert found.lag1 < -0.9
+    assert found.stderr**2 == pytest.approx(LEAST_FACTOR * means.var(ddof=1) / 38, rel=1e-12)
 
 
 def test_correlated_batches_are_seen_and_the_error_enlarged():
@@ -277,8 +342,10 @@ def test_correlated_batches_are_seen_and_the_error_enlarged():
     wave = np.cumsum(100.0 + 30.0 * np.sin(0.6 * time[1:]) + rng.normal(0, 1, 1000)) * 0.02
     means = batch_means(time, np.concatenate([[0.0], wave]), 0.0)
     assert means.lag1 > 0.4
-    plain = np.diff(np.interp(np.linspace(0, 20, 21), time, np.concatenate([[0.0], wave])))
-    assert means.stderr > 1.5 * plain.std(ddof=1) / np.sqrt(20)
+    plain = np.diff(np.interp(np.linspace(0, 20, 41), time, np.concatenate([[0.0], wave]))) / 0.5
+    known = (1.0 + means.lag1) / (1.0 - means.lag1) * plain.var(ddof=1) / 38
+    assert means.stderr**2 == pytest.approx(known, rel=1e-9)
+    assert means.stderr > 1.5 * plain.std(ddof=1) / np.sqrt(40)
 
 
 def test_too_short_a_series_has_no_error():

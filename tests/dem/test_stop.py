@@ -48,15 +48,15 @@ def coverage(rule, records):
     """Share of the 95 % intervals that hold the rate, and mean error in standard errors."""
     held, off = [], []
     for record in records:
-        rate, stderr, batches = rule(record)
-        held.append(abs(rate - FEED) <= stats.t.ppf(0.975, batches - 1) * stderr)
+        rate, stderr, freedom = rule(record)
+        held.append(abs(rate - FEED) <= stats.t.ppf(0.975, freedom) * stderr)
         off.append((rate - FEED) / FEED)
     return np.mean(held), np.mean(off)
 
 
 def by_the_rule(record):
     part, _ = ended(Setup(), record)
-    return part.rate, part.relative_stderr * part.rate, part.batches
+    return part.rate, part.relative_stderr * part.rate, part.freedom
 
 
 def by_the_first_small_error(record):
@@ -69,7 +69,7 @@ def by_the_first_small_error(record):
         complete = part.settled and past[0][-1] >= part.window_end
         if complete and part.relative_stderr <= rule.target:
             break
-    return part.rate, part.relative_stderr * part.rate, part.batches
+    return part.rate, part.relative_stderr * part.rate, part.freedom
 
 
 @pytest.mark.parametrize(("spread", "memory"), [(0.4, 0.0), (0.35, 0.6)])
@@ -105,7 +105,7 @@ def test_evenly_released_particles_are_no_scatter():
         whole = batch_means(time[:samples], worn[:samples], 0.5, release_interval=1.0 / slow)
         assert whole.rate == pytest.approx(slow, rel=1e-9)
         assert whole.stderr < 1e-9 < 0.01 * plain.rate < plain.stderr
-        assert 20 <= whole.batches < 40
+        assert 20 <= whole.batches < 80
 
 
 def test_too_few_releases_are_divided_as_if_they_were_not_even():
@@ -168,7 +168,7 @@ def slow_twin(result, setup):
             small = found.stderr <= setup.target_stderr * found.rate
             particles = (time[-1] - first * per_map * interval) / result.release_interval
             enough = particles >= 0.12 / setup.target_stderr**2
-            well = found.stderr <= 0.7 * setup.target_stderr * found.rate
+            well = found.stderr <= 0.67 * setup.target_stderr * found.rate
             if small and enough and (small_before or well):
                 return k
         small_before = small

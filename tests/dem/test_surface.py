@@ -9,6 +9,7 @@ import pytest
 from abradem.dem import islands, simulate, synchronous
 from abradem.dem.agenda import make_agenda
 from abradem.dem.mesh import MOST_HITS, WALLS, make_mesh
+from abradem.dem.mesh_contact import clear_walls
 from abradem.dem.mesh_flights import time_to_surface
 from abradem.dem.mesh_search import find_contacts, surface_distance, turn_to
 from abradem.dem.model import Case, Setup
@@ -79,7 +80,7 @@ def test_a_sphere_on_a_cut_plane_has_one_contact_everywhere(irregular):
     places = places[np.abs(places[:, [0, 2]]).max(axis=1) < 0.045]
     for depth in (1e-9, 1e-5, 1e-3, 5e-3):
         for x, _, z in places:
-            assert find_contacts(mesh, x, radius - depth, z, MOST_HITS, WALLS) == 1
+            assert find_contacts(mesh, 0, x, radius - depth, z, MOST_HITS, WALLS) == 1
             hit = mesh.hits[0]
             assert hit["distance"] == pytest.approx(radius - depth, rel=1e-12)
             assert hit["ny"] == pytest.approx(1.0)
@@ -92,13 +93,52 @@ def test_a_sphere_in_an_arc_has_one_contact_and_in_a_corner_three():
         # Deeper than the corners of the facets are outside the cylinder.
         reach = 0.1 - radius + 1e-4
         x, y = reach * np.sin(angle), -reach * np.cos(angle)
-        assert find_contacts(mesh, x, y, 0.001, MOST_HITS, WALLS) == 1
+        assert find_contacts(mesh, 0, x, y, 0.001, MOST_HITS, WALLS) == 1
     mesh = make_mesh(room_corner(0.1), radius, 1)
     near = radius - 1e-5
-    assert find_contacts(mesh, near, near, near, MOST_HITS, WALLS) == 3
-    assert find_contacts(mesh, near, near, 0.05, MOST_HITS, WALLS) == 2
-    assert find_contacts(mesh, near, 0.05, 0.05, MOST_HITS, WALLS) == 1
-    assert find_contacts(mesh, 0.05, 0.05, 0.05, MOST_HITS, WALLS) == 0
+    assert find_contacts(mesh, 0, near, near, near, MOST_HITS, WALLS) == 3
+    assert find_contacts(mesh, 0, near, near, 0.05, MOST_HITS, WALLS) == 2
+    assert find_contacts(mesh, 0, near, 0.05, 0.05, MOST_HITS, WALLS) == 1
+    assert find_contacts(mesh, 0, 0.05, 0.05, 0.05, MOST_HITS, WALLS) == 0
+
+
+@pytest.mark.parametrize("spin", [0.0, 3.0])
+@pytest.mark.parametrize("name", ["irregular plane", "arc", "corner", "roof", "fine"])
+def test_contacts_are_the_same_bits_with_and_without_spots(name, spin):
+    """A particle that wanders and is looked up by its spots, and one that is always searched."""
+    radius = 0.01
+    surface = {
+        "irregular plane": cut_plane(0.1, 0.1, 20.0, (5, 5), irregular=True),
+        "arc": arc(0.06, -80.0, 80.0, 16, 0.06),
+        "corner": room_corner(0.05),
+        "roof": extruded([(-0.04, -0.03), (0.0, 0.0), (0.04, -0.03)], 0.06, 2),
+        "fine": arc(0.06, -60.0, 60.0, 60, 0.004),
+    }[name]
+    surface = surface._replace(angular_velocity=np.array([spin]))
+    problem, _ = make_problem(CASE, Setup(surface=surface, time_step=1e-4))
+    mesh = make_mesh(surface, radius, 2)
+    rng = np.random.default_rng(3)
+    centres = surface.vertices[surface.triangles].mean(axis=1)
+    places = centres[rng.integers(len(centres), size=60)] + rng.normal(0.0, 0.7 * radius, (60, 3))
+    compared, spared = 0, 0
+    for start in places:
+        place, velocity = start.copy(), rng.normal(0.0, 1.0, 3)
+        clear_walls(mesh, 0)
+        for step in range(60):
+            turn_to(problem, mesh, step)
+            before = mesh.spots[0].copy()
+            found = find_contacts(mesh, 0, *place, MOST_HITS, WALLS)
+            hits = mesh.hits[:found].copy()
+            spared += int(np.array_equal(before, mesh.spots[0]))
+            clear_walls(mesh, 1)
+            assert find_contacts(mesh, 1, *place, MOST_HITS, WALLS) == found
+            fields = ["nx", "ny", "nz", "distance", "triangle", "frame", "on_face"]
+            np.testing.assert_array_equal(hits[fields], mesh.hits[:found][fields])
+            compared += found
+            velocity += rng.normal(0.0, 0.3, 3)
+            place += velocity * 1e-4
+    assert compared > 300
+    assert spared > 1200
 
 
 # Steppings
@@ -180,12 +220,12 @@ def test_no_flight_touches_a_surface_before_its_bound(name):
         turn_to(problem, mesh, 0)
         if surface_distance(mesh, *place) < problem.radius:
             continue
-        bound = time_to_surface(problem, mesh, 0, np.inf, *place, *velocity)
+        bound = time_to_surface(problem, mesh, 0, 0, np.inf, *place, *velocity)
         for step in range(600):
             time = step * problem.dt
             x, y, z = place + velocity * time - [0.0, 0.5 * problem.gravity * time**2, 0.0]
             turn_to(problem, mesh, step)
-            if find_contacts(mesh, x, y, z, MOST_HITS, WALLS) > 0:
+            if find_contacts(mesh, 0, x, y, z, MOST_HITS, WALLS) > 0:
                 assert time >= bound * (1.0 - 1e-9)
                 met += 1
                 shares.append(bound / time)

@@ -9,7 +9,8 @@ from abradem.dem.surface import cell_areas
 from abradem.figures.part_rates import draw_part_rates
 from abradem.figures.surface_map import BARE_FLAT, draw_surface, surface_map_figure
 from abradem.geometry.build import surface_of
-from abradem.geometry.kinds import Plates
+from abradem.geometry.kinds import MeshFile, Plates
+from abradem.geometry.outline import outline
 from abradem.geometry.shapes import Rectangle
 from abradem.wear.part_effects import part_effects
 
@@ -91,3 +92,21 @@ def test_rates_of_parts_are_drawn_against_what_varied():
     (panel,) = figure.axes
     assert [line.get_ydata().tolist() for line in panel.lines] == [[1, 2, 3, 4], [4, 3, 2, 1]]
     assert panel.get_xlabel() == "Plate 2 angle (deg)" or "2 angle" in panel.get_xlabel()
+
+
+def test_a_closed_solid_shows_its_creases_and_a_smooth_one_nothing(tmp_path):
+    """A box has no rims; a sphere neither rims nor creases, and is drawn all the same."""
+    trimesh = pytest.importorskip("trimesh")
+    for name, mesh, count in (
+        ("box", trimesh.creation.box((100, 100, 100)), 12),
+        ("ball", trimesh.creation.icosphere(subdivisions=3, radius=100), 0),
+    ):
+        path = tmp_path / f"{name}.stl"
+        mesh.export(path)
+        surface = surface_of(MeshFile(str(path)), 0.2)
+        lines = outline(surface, surface.vertices[surface.triangles])
+        assert len(lines) == count
+        cells = pd.DataFrame({"depth_rate_total": np.zeros(len(surface.triangles))})
+        cells.loc[0, "depth_rate_total"] = 1.0
+        cells["cell_area"] = cell_areas(surface)
+        assert surface_map_figure(surface, cells, "total").axes

@@ -76,6 +76,11 @@ def test_rotations_keep_right_handedness():
         assert np.allclose(rotation @ rotation.T, np.eye(3))
 
 
+def _folder(path):
+    path.mkdir()
+    return path
+
+
 def message(*args, **options):
     with pytest.raises(GeometryError) as caught:
         read_mesh(*args, **options)
@@ -89,7 +94,63 @@ def test_a_wrong_unit_is_told_with_those_that_would_do(chute):
     assert "is the unit mm (1.17898 m)" in message(chute, "m")
 
 
+FACET = """facet normal 0 0 1
+ outer loop
+  vertex 0 0 0
+  vertex 400 0 0
+  vertex 400 300 0
+ endloop
+endfacet
+"""
+BINARY = (
+    b"x" * 80 + (1).to_bytes(4, "little")
+    + np.array([0, 0, 1, 0, 0, 0, 400, 0, 0, 400, 300, 0], "<f4").tobytes() + b"\0\0"
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("", "the file is empty"),
+        ("<!DOCTYPE html>", "it is no STL file, it begins with '<!DOCTYPE html>'"),
+        ("solid a\nendsolid a\n", "it has no triangles"),
+        (f"solid a\n{FACET}", "it is cut off: no endsolid closes its last solid"),
+        (f"solid a\n{FACET}endsolid a\nsolid b\n{FACET}",
+         "of its 2 facets 1 are in a solid that is cut off"),
+        (f"solid a\n{FACET.replace('400 0 0', '400,5 0 0')}endsolid a\n",
+         "line 5: 'vertex 400,5 0 0' (allowed: vertex and three numbers with a decimal point)"),
+        (BINARY[:-9], "it is cut off or no STL file: 1 triangles are 134 bytes, and it has 125"),
+        (f"solid a\n{FACET.replace('400 300 0', '800 0 0')}endsolid a\n",
+         "no triangle has an area (allowed: at least one)"),
+        (f"solid a\n{FACET.replace('400 0 0', 'inf 0 0')}endsolid a\n",
+         "a coordinate is not a finite number"),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("error")
+def test_what_is_wrong_with_an_stl_file_is_told(tmp_path, content, words):
+    path = tmp_path / "a.stl"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    assert words in message(path, "mm")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "part"),
+    [
+        ("a.stl", f"solid my chute\n{FACET}endsolid my chute\n", "my chute"),
+        ("a.stl", f"solid\n{FACET}endsolid\n", "a"),
+        ("a.stl", BINARY, "a"),
+        ("a.obj", "o hood\nv 0 0 0\nv 400 0 0\nv 400 300 0\nf 1 2 3\n", "hood"),
+        ("a.obj", "v 0 0 0\nv 400 0 0\nv 400 300 0\nf 1 2 3\n", "a"),
+    ],
+)
+def test_a_single_solid_has_its_name_in_the_file(tmp_path, name, content, part):
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    assert read_mesh(path, "mm").names == (part,)
+
+
 def test_files_that_are_no_meshes_are_told(tmp_path):
+    assert "is a folder (allowed: a mesh file)" in message(_folder(tmp_path / "b.stl"), "mm")
     (tmp_path / "words.stl").write_text("no mesh")
     (tmp_path / "empty.ply").write_text("")
     assert "there is no such file" in message(tmp_path / "none.stl", "mm")

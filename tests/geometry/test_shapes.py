@@ -1,5 +1,7 @@
 """Generated and divided surfaces against closed forms: areas, places, seams."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -173,4 +175,4 @@ def test_a_positive_rotation_moves_the_flight_to_the_open_end():
 
 def test_a_shaft_wider_than_the_flight_is_refused():
     with pytest.raises(GeometryError, match=r"0\.09 m, must be less than that of the flight"):
-        screw(SIZES._replace(shaft_radius=0.09), 0.01)
+        screw(dataclasses.replace(SIZES, shaft_radius=0.09), 0.01)

@@ -6,12 +6,14 @@ The browser is Debian's chromium with its driver (``apt-get install chromium-dri
 import itertools
 import json
 
+import geometry_tables
 import numpy as np
 import pandas as pd
 import pytest
 from browser import ROOMS, log, opened, settle, show
 from tables import product_law
 
+from abradem.learning.physical.distil import Settings
 from abradem.learning.physical.problem import problem
 from abradem.learning.physical.wear_maps import PlateSides, wear_maps
 from abradem.quantities import SAMPLED, SAMPLED_NAMES
@@ -308,6 +310,46 @@ def test_a_quantity_held_fixed_has_no_slider_range(dataset):
     assert fixed == {"equipment_density"} and data["maps"] is None
     decades = {one["name"] for one in data["quantities"] if one["decades"]}
     assert decades == {"archard_constant"}
+
+
+def test_the_page_of_a_geometry_has_its_sliders_and_numbers(tmp_path):
+    """Sliders, typed values, curves and the command of a curved chute, in the browser."""
+    table = geometry_tables.planted(40)
+    _, _, model = geometry_tables.trained(table, Settings(2000, (16,), 10))
+    path = tmp_path / "arc.html"
+    path.write_text(explorer_page(json_and_back(*model), None, table, "arc", {}),
+                    encoding="utf-8")  # fmt: skip
+    surrogate = Surrogate(*model)
+    with opened(path) as driver:
+        rng = np.random.default_rng(2)
+        for _ in range(5):
+            values = {**geometry_tables.FIXED} | {
+                name: float(rng.uniform(*ends)) for name, ends in geometry_tables.VARIED.items()
+            }
+            found = driver.execute_script("return Model.predict(arguments[0], 0.9)", values)
+            expected = surrogate.predict(values, 0.9)
+            for name in ("rate", "lower", "upper"):
+                assert found[0][name] == pytest.approx(getattr(expected, name)[0], rel=1e-6)
+        assert type_value(driver, "arc_radius", "60 cm").get_attribute("aria-invalid") != "true"
+        type_value(driver, "arc_end", "0.5 rad")
+        settle(driver)
+        command = driver.find_element("id", "command").text.replace("\\\n", "").split()
+        given = {
+            name: float(text) for name, text in (word.split("=") for word in command if "=" in word)
+        }
+        assert given["arc_radius"] == 0.6
+        assert given["arc_end"] == pytest.approx(np.degrees(0.5), rel=1e-12)
+        assert numbers(driver)[0] == pytest.approx(surrogate.predict(given).rate[0], rel=1e-6)
+        assert driver.find_element("id", "slider-arc_radius").is_enabled()
+        assert not driver.find_element("id", "slider-plate_angle").is_enabled()
+        shown = driver.find_element("css selector", "#nearest thead").text
+        assert "radius of the arc (mm)" in shown and "plate angle" not in shown
+        place = driver.find_element("id", "headline-place").text
+        assert place == "mean over the surface"
+        curves = driver.find_element("id", "curves").get_attribute("aria-label")
+        assert curves.endswith(f"against each of {len(geometry_tables.VARIED)} quantities")
+        wrong = [one["message"] for one in log(driver, "browser") if one["level"] != "INFO"]
+        assert wrong == []
 
 
 def test_texts_of_the_data_do_not_end_the_page(page):

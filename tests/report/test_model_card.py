@@ -154,3 +154,29 @@ def test_what_is_not_known_of_a_table_is_said():
     assert "mean over the plate" not in page and "not determined" in page
     assert card["licence"]["model"] == "that of the table it learned from"
     assert card["ranges"][0]["configured"] is None and "<td class=n>-</td>" in page
+
+
+def test_the_card_of_a_geometry_names_its_kind_its_numbers_and_the_part():
+    geometry = {"shape": {"kind": "arc", "radius": "arc_radius", "begin": 80.0, "end": 30.0,
+                          "width": 0.3}}  # fmt: skip
+    radius = {"name": "arc_radius", "unit": "m", "training_range": [0.26, 0.98]}
+    surrogate = {
+        **SURROGATE,
+        "jet": JET._replace(geometry=geometry).stored(),
+        "target": {**SURROGATE["target"], "element_size": None, "cells": True, "part": "arc"},
+        "features": [*SURROGATE["features"], radius],
+    }
+    card = model_card(surrogate, INTERVALS, {**RANGES, "arc_radius": [0.25, 1.0]})
+    assert card["intended_use"][0].startswith("wear depth rates of the geometry of the study")
+    assert "what was not sampled of the geometry are fixed" in card["not_intended"][0]
+    assert card["jet"]["geometry"]["kind"] == "arc"
+    fixed = {name: one["value"] for name, one in card["jet"]["geometry"]["fixed"].items()}
+    assert fixed == {"arc_begin": 80.0, "arc_end": 30.0, "arc_width": 0.3}
+    assert not {"geometry", "plate_area", "arc_radius"} & set(card["jet"]["values"])
+    assert card["ranges"][-1] == {
+        "name": "arc_radius", "unit": "m", "words": "radius of the arc", "configured": [0.25, 1.0],
+        "in_rows": [0.26, 0.98],
+    }  # fmt: skip
+    assert "99th percentile of the cells of the part arc" in card["targets"][0]["words"]
+    text = card_page(card)
+    assert "slope where the arc ends" in text and "30 deg" in text and "radius of the arc" in text

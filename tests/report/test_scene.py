@@ -15,6 +15,7 @@ from abradem.figures.wear_colours import NO_WEAR
 from abradem.geometry.build import prepared
 from abradem.geometry.kinds import Plates
 from abradem.geometry.shapes import Rectangle
+from abradem.geometry.turning import corners_at
 from abradem.report import scene
 from abradem.report.scene import scene_data, scene_page
 
@@ -118,6 +119,39 @@ def test_a_surface_is_drawn_with_the_depth_of_its_cells():
     depth = 1e3 * CASE["archard_constant"] * TIMES[-1] * work / area
     np.testing.assert_allclose(unpacked(data["depth"])[-1], depth, rtol=1e-6)
     assert data["cell"] == "cells" and len(data["factory"]) == 4
+
+
+def test_the_parts_of_a_screw_turn_in_the_page(tmp_path):
+    """The vertices that the browser draws are those of the surface at the time of the frame."""
+    setup = Setup(
+        facet_size=0.05, patch_length=0.05, patch_width=0.05,
+        geometry={"shape": {"kind": "screw", "length": 0.4, "radius": 0.075, "shaft_radius": 0.02,
+                            "pitch": 0.1, "clearance": 0.005, "rim": 0.1, "revolutions": 10.0}},
+    )  # fmt: skip
+    surface = prepared(setup, CASE).surface
+    particles, wear, work = snapshots(len(surface.triangles), 1)
+    data = scene_data(particles, wear, "s", CASE, setup, MEASURE)
+    placed = unpacked(data["vertices"])[unpacked(data["triangles"]).astype(int)]
+    np.testing.assert_allclose(placed, surface.vertices[surface.triangles], atol=1e-6)
+    (turning,) = data["turning"]
+    assert turning["spin"] == pytest.approx(np.pi / 3.0) and turning["direction"] == [1, 0, 0]
+    text = scene_page(particles, wear, "s", CASE, asdict(setup), MEASURE)
+    path = tmp_path / "scene.html"
+    path.write_text(text, encoding="utf-8")
+    with opened(path) as driver:
+        drawn = driver.execute_script(
+            "return document.getElementById('view').data?.slice(0, 2).map((one) =>"
+            " [one.opacity, ['i', 'j', 'k'].map((corner) => ['x', 'y', 'z'].map((axis) =>"
+            " one[corner].map((place) => one[axis][place])))])"
+        )
+    if drawn is None:
+        pytest.skip("this browser has no WebGL")
+    expected = 1e3 * corners_at(surface, TIMES[-1])
+    for (opacity, found), worn in zip(drawn, (True, False), strict=True):
+        assert (opacity == 1) == worn
+        np.testing.assert_allclose(
+            np.array(found).transpose(2, 0, 1), expected[(work > 0.0) == worn], atol=1e-3
+        )
 
 
 def test_many_snapshots_are_thinned_out_evenly_and_keep_the_last(monkeypatch):

@@ -9,9 +9,11 @@ import pytest
 
 from abradem.config import load_config, typical_case
 from abradem.dem.model import Setup
+from abradem.geometry.build import case_surface
+from abradem.geometry.kinds import Screw
 from abradem.report.vtk import case_values, particles_vtp, plate_facets, write_vtk
 from abradem.store.files import TableError
-from abradem.wear.depths import depth_frames
+from abradem.wear.depths import cell_depth_frames, depth_frames
 
 SETUP = Setup(plate_length=0.4, plate_width=0.2, facet_size=0.1)
 CASE = typical_case(load_config({"study": "x"}))
@@ -106,6 +108,36 @@ def test_the_collection_names_every_file_with_its_time(folder):
 def test_a_case_that_is_not_there_is_one_line():
     with pytest.raises(TableError, match="case 3: there is no such case"):
         case_values(pd.DataFrame({"case_id": [1]}), 3)
+
+
+def test_a_surface_has_the_depth_of_its_cells_and_its_parts_turn(tmp_path):
+    """A screw that turns by half in the time of the second snapshot."""
+    screw = Screw(0.4, 0.075, 0.02, 0.1, 0.005, 0.1, 60.0)
+    setup = Setup(facet_size=0.05, geometry=screw, patch_length=0.05, patch_width=0.05)
+    case = {**CASE, "particle_radius": 0.01}
+    surface = case_surface(setup, case)
+    cells = np.arange(len(surface.triangles))
+    wear = pd.concat(
+        pd.DataFrame({"time": time, "facet_x": cells, "facet_z": 0, "wear_total": time * cells,
+                      "wear_sliding": 0.0, "wear_friction": 0.0})
+        for time in TIMES
+    )  # fmt: skip
+    write_vtk(snapshots()[0], wear, case, setup, tmp_path)
+    found = arrays(tmp_path / "surface_00001.vtp")
+    _, depth = cell_depth_frames(wear, case, surface, "total")
+    np.testing.assert_array_equal(found["depth_total"], depth[1])
+    np.testing.assert_array_equal(found["part"], surface.part)
+    placed = found["Points"].reshape(-1, 3, 3)
+    still = surface.vertices[surface.triangles]
+    turning = surface.part != surface.part_names.index("trough")
+    np.testing.assert_allclose(placed[turning], still[turning] * [1, -1, -1], atol=1e-12)
+    np.testing.assert_array_equal(placed[~turning], still[~turning])
+    assert (tmp_path / "surface.pvd").is_file() and not (tmp_path / "plate.pvd").exists()
+
+
+def test_a_case_has_the_sampled_quantities_of_its_geometry():
+    cases = pd.DataFrame([{**CASE, "case_id": 1, "arc_radius": 0.5}])
+    assert case_values(cases, 1)["arc_radius"] == 0.5
 
 
 def test_vtk_itself_reads_the_same(folder):

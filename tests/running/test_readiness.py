@@ -75,6 +75,21 @@ def test_a_typical_case_that_cannot_be_simulated_is_one_line_for_all_angles():
     assert problems_at_start(config, {"simulate"}, False) == []
 
 
+ARC = {"kind": "arc", "arc": {"radius_mm": [300, 400]}}
+
+
+def test_the_factory_of_a_geometry_is_looked_at_before_a_run():
+    """For the cases and for the typical one of the pictures."""
+    patch = {"patch_length_mm": 50, "patch_width_mm": 50}
+    fine = study(simulation={"geometry": ARC, "factory": patch})
+    assert problems_at_start(fine, {"simulate", "dataset", "scene"}, False) == []
+    aside = {**ARC, "factory_centre_mm": [0, 500, 900]}
+    config = study(simulation={"geometry": aside, "factory": patch})
+    cases, typical = problems_at_start(config, {"simulate", "dataset", "scene"}, False)
+    assert cases.startswith("sampling.ranges: 12 of 12 cases are inconsistent, such as: the jet")
+    assert typical.startswith("figures.typical: cannot be simulated: the jet from (0, 0.5, 0.9) m")
+
+
 def test_a_table_is_refused_with_all_its_problems():
     table = product_law(24)[["case_id", "wear_total_mean"]]
     config = study(dataset={"external": "t.csv"}, learning={"target": "wear_total_mean"})

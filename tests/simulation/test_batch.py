@@ -115,7 +115,7 @@ def test_the_time_of_each_case_is_kept_over_an_interruption(engine, tmp_path, mo
         now[0] += next(spent)
         return simulate(case, setup)
 
-    def load(stepping):
+    def load(stepping, on_surface):
         now[0] += 100.0
 
     monkeypatch.setattr(abradem.dem, "simulate", slow)
@@ -127,6 +127,25 @@ def test_the_time_of_each_case_is_kept_over_an_interruption(engine, tmp_path, mo
     times = run(tmp_path)["times"]
     assert times["case_id"].tolist() == [0, 1, 2, 3]
     assert times["processor_time"].tolist() == [1.0, 2.0, 4.0, 5.0]
+
+
+def test_threads_reach_the_engine_and_change_nothing_that_is_kept(engine, tmp_path, monkeypatch):
+    """Of an interrupted batch, cases simulated with other threads are kept."""
+    given, loaded, outputs = [], [], {name: tmp_path / f"{name}.parquet" for name in FILES}
+
+    def simulate(case, setup, threads=1):
+        given.append(threads)
+        if len(given) == 3:
+            raise KeyboardInterrupt
+        return result_of(case, setup)
+
+    monkeypatch.setattr(abradem.dem, "simulate", simulate)
+    monkeypatch.setattr(abradem.dem.warm, "load", loaded.append)
+    with pytest.raises(KeyboardInterrupt):
+        run_batch(table_of_cases(), SETUP, outputs, tmp_path / "batch", "code", threads=2)
+    assert loaded[:2] == ["islands", "parallel"]
+    run_batch(table_of_cases(), SETUP, outputs, tmp_path / "batch", "code")
+    assert given == [2, 2, 2, 1, 1]
 
 
 def test_a_batch_of_rejected_cases_only_is_written(engine, tmp_path):

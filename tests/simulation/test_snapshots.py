@@ -15,7 +15,7 @@ SETUP = Setup(duration=0.3)
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory):
     folder = tmp_path_factory.mktemp("snapshots")
-    write_snapshots(CASE, SETUP, folder, 0.002)
+    write_snapshots(vars(CASE), SETUP, folder, 0.002)
     return {name: folder / f"{name}.parquet" for name in ("particles", "contacts", "wear")}
 
 

@@ -4,18 +4,28 @@ import pytest
 
 from abradem.learning.comparison import ORDER
 from abradem.learning.physical.models import MODELS as PHYSICAL_MODELS
-from abradem.learning.physical.power_law import SHARES, TERMS
+from abradem.learning.physical.power_law import SHARES, PowerLaw
 from abradem.learning.protocols import PROTOCOLS as PROTOCOL_NAMES
-from abradem.quantities import QUANTITIES, STATISTICS, WEAR_COLUMNS, WEAR_MEASURES, Quantity
+from abradem.quantities import (
+    GEOMETRY_GROUPS,
+    GEOMETRY_NAMES,
+    QUANTITIES,
+    STATISTICS,
+    WEAR_COLUMNS,
+    WEAR_MEASURES,
+    Quantity,
+)
 from abradem.store.columns import COLUMNS
+from abradem.surrogate.groups import GROUP_NAMES
 from abradem.words import labels
 from abradem.words.wear import WEAR_WORDS
 
 
 def test_every_quantity_and_every_term_of_the_power_law_has_a_label():
-    assert {row.name for row in QUANTITIES} <= labels.LABELS.keys()
+    assert {row.name for row in QUANTITIES} | set(GEOMETRY_NAMES) <= labels.LABELS.keys()
     assert SHARES.keys() <= labels.LABELS.keys()
-    assert labels.GROUP_LABELS.keys() == {"constant", *TERMS}
+    law = PowerLaw((*GROUP_NAMES, *GEOMETRY_GROUPS.values()))
+    assert labels.GROUP_LABELS.keys() == {"constant", *law.terms}
 
 
 def test_every_model_and_every_protocol_has_a_name():

@@ -4,7 +4,7 @@ import pytest
 
 from abradem.config import Config, target_dict
 from abradem.quantities import STATISTICS, WEAR_COLUMNS, WEAR_MEASURES, quantity, wear_parts
-from abradem.words.wear import WearTarget, wear_words
+from abradem.words.wear import WearTarget, place_of
 
 PLACES = {
     "mean": "mean over the plate",
@@ -20,21 +20,32 @@ PLACES = {
 def test_a_target_says_measure_statistic_and_size(measure, statistic):
     said = WearTarget(f"wear_{measure}_{statistic}", 0.03)
     assert (said.measure, said.statistic) == (measure, statistic)
-    assert said.place == wear_words(said.name, 0.03) == PLACES[statistic]
+    assert said.place == place_of({"name": said.name, "element_size": 0.03}) == PLACES[statistic]
     assert said.words == f"wear depth rate, {measure}, {PLACES[statistic]}"
     assert said.has_elements == ("element" in said.place)
     assert "mm" not in WearTarget(said.name).place
 
 
+@pytest.mark.parametrize(
+    ("statistic", "words"),
+    [("mean", "mean of the part lower"), ("p99", "99th percentile of the cells of the part lower")],
+)
+def test_the_wear_of_a_part_of_a_geometry_names_it(statistic, words):
+    stored = {"name": f"wear_friction_{statistic}", "cells": True, "part": "lower"}
+    assert place_of(stored) == WearTarget.stored(stored).place == words
+    assert "surface" not in words
+
+
 def test_other_columns_are_no_wear_rate():
-    assert wear_words("loss") == "as in the table that the model learned from"
+    assert place_of({"name": "loss"}) == "as in the table that the model learned from"
     with pytest.raises(KeyError, match="'wear_total' is no wear rate; known: wear_total_mean"):
         wear_parts("wear_total")
 
 
 def test_a_rate_whose_meaning_is_not_known_is_not_named():
     said = WearTarget("wear_total_mean", None, known=False)
-    for words in (said.place, said.words, said.explained, wear_words(said.name, known=False)):
+    stored = place_of({"name": said.name, "known": False})
+    for words in (said.place, said.words, said.explained, stored):
         assert "table" in words and "total" not in words and "mean" not in words.split(" (")[0]
 
 
@@ -47,18 +58,20 @@ def test_every_wear_rate_is_the_target_of_the_table_of_quantities():
 @pytest.mark.parametrize(
     ("values", "expected"),
     [
-        ({}, ("wear_friction_p99", 0.03, True, False)),
+        ({}, ("wear_friction_p99", 0.03, True, False, None)),
         ({"learning": {"target": "wear_total_mean"}, "wear_rate": {"element_size_mm": None}},
-         ("wear_total_mean", 0.01, True, False)),
+         ("wear_total_mean", 0.01, True, False, None)),
         ({"learning": {"target": "wear_friction_p99"}, "wear_rate": {"element_size_mm": 30}},
-         ("wear_friction_p99", 0.03, True, False)),
+         ("wear_friction_p99", 0.03, True, False, None)),
         ({"learning": {"target": "wear_total_max"}, "dataset": {"external": "t.csv"}},
-         ("wear_total_max", None, False, False)),
+         ("wear_total_max", None, False, False, None)),
         ({"learning": {"target": "wear_total_max"},
           "dataset": {"external": "t.csv", "rate": "stated"}},
-         ("wear_total_max", None, True, False)),
+         ("wear_total_max", None, True, False, None)),
         ({"simulation": {"geometry": {"kind": "arc"}}},
-         ("wear_friction_p99", None, True, True)),
+         ("wear_friction_p99", None, True, True, None)),
+        ({"simulation": {"geometry": {"kind": "arc"}}, "learning": {"part": "arc"}},
+         ("wear_friction_p99", None, True, True, "arc")),
     ],
 )  # fmt: skip
 def test_the_target_of_a_configuration(values, expected):

@@ -6,7 +6,16 @@ SPLITS = {
     "repeats": LEARNING.repeats,
     "seed": CONFIG.seed,
 }
-BASELINES = ["linear", "penalised", "pca", "trees", *(f"ga_ann_{p}" for p in PROTOCOLS)]
+# A geometry is no study of the paper, whose networks are then trained on demand alone.
+BASELINES = [
+    "linear",
+    "penalised",
+    "pca",
+    "trees",
+    *([] if WEARS_SURFACE else [f"ga_ann_{protocol}" for protocol in PROTOCOLS]),
+]
+# The rows that models learn from.
+ROWS = rules.dataset.output[0] if LEARNING.part is None else rules.part_rows.output[0]
 LEARNED_FROM = {"target": LEARNING.target, "name": CONFIG.study}
 
 
@@ -25,7 +34,7 @@ rule baselines:
 rule linear:
     """The linear regression of the data set."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         summary=report(
             f"{RESULTS}/learning/linear.json",
@@ -59,7 +68,7 @@ rule linear:
 rule penalised:
     """Lasso and ridge."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         weights=f"{RESULTS}/learning/penalised_weights.parquet",
         paths=f"{RESULTS}/learning/penalised_paths.parquet",
@@ -93,7 +102,7 @@ rule penalised:
 rule pca:
     """Principal component analysis, and regression on the components."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         loadings=f"{RESULTS}/learning/pca_loadings.parquet",
         scree=f"{RESULTS}/learning/pca_scree.parquet",
@@ -125,7 +134,7 @@ rule pca:
 rule selection:
     """Selection of the features of the networks."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         selection=f"{RESULTS}/learning/selection.parquet",
         summary=f"{RESULTS}/learning/selection.json",
@@ -151,7 +160,7 @@ rule selection:
 rule trees:
     """Decision tree and random forest."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         curve=f"{RESULTS}/learning/trees_curve.parquet",
         nodes=f"{RESULTS}/learning/trees_nodes.parquet",
@@ -187,7 +196,7 @@ rule trees:
 rule ga_ann:
     """Genetic search for the architecture of a network, under one protocol."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         history=f"{RESULTS}/learning/ga_ann_{{protocol}}_history.parquet",
         scores=f"{RESULTS}/learning/ga_ann_{{protocol}}_scores.parquet",

@@ -21,11 +21,17 @@ from abradem.config import (
 from abradem.config.materials import PARTICLE_MATERIALS, preset
 from abradem.dataset.variation import nothing_varies
 from abradem.figures.captions import caption_in_rst
-from abradem.figures.catalogue import CALIBRATION, FIGURES, SIMULATIONS, SURFACE
+from abradem.figures.catalogue import (
+    ALL_MODELS,
+    CALIBRATION,
+    FIGURES,
+    PHYSICAL as PHYSICAL_FIGURES,
+    SIMULATIONS,
+    SURFACE,
+)
 from abradem.publish.description import LICENCE
 from abradem.quantities import wear_parts
-from abradem.report.explorer_parts import FILES as EXPLORER_FILES
-from abradem.report.scene_parts import SCENE_FILES
+from abradem.report.page_files import EXPLORER_FILES, FRAME_FILES, SCENE_FILES
 from abradem.report.tables import TABLES
 from abradem.running.code_hash import files_hash, step_hash
 from abradem.running.memory import killed_for_memory, memory_kills
@@ -96,6 +102,18 @@ CALIBRATES = CONFIG.calibration.table is not None
 # True if the particles wear another surface than the plate: models and the figures of the plate
 # are left out, and geometry.smk adds its own results.
 WEARS_SURFACE = SIMULATED and CONFIG.simulation.geometry.kind != "plate"
+
+# Smallest number of cases of a geometry from which models are trained: with fewer the test rows of
+# a split are less than four. Smaller studies end with their cells and parts.
+FEWEST_LEARNED = 20
+LEARNS_SURFACE = (
+    WEARS_SURFACE
+    and not CALIBRATES
+    and CONFIG.cases >= FEWEST_LEARNED
+    and not nothing_varies({**sampled_ranges(CONFIG), **geometry_ranges(CONFIG)})
+)
+# True if there are simulations of the plate: maps, replicates and their figures are of it alone.
+ON_PLATE = SIMULATED and not WEARS_SURFACE
 
 # Why nothing can be learned, or "". The data set alone can still be made: it holds repetitions of
 # one case.
@@ -221,12 +239,18 @@ def module_of(name):
     return {"module": source, "code": code_of("baselines/baseline", source)}
 
 
+# Figures of the models of a geometry; those of single models of the paper are made on demand.
+MODEL_GROUPS = (PHYSICAL_FIGURES, ALL_MODELS)
+
+
 def is_made(name):
     """Whether a figure is made: some need simulations or results of other studies."""
     needs = {"verification": VERIFICATION_MADE, "speed": SPEED_MADE}
     if FIGURES[name].group in (CALIBRATION, SURFACE):
         # Other kinds of studies make these, see calibration.smk and geometry.smk.
         return False
+    if WEARS_SURFACE:
+        return FIGURES[name].group in MODEL_GROUPS
     return needs.get(name, SIMULATED or FIGURES[name].group != SIMULATIONS) and (
         SIMULATED or name != "setup"
     )
@@ -309,7 +333,7 @@ def not_ready(jobs):
     rules = {job.rule.name for job in jobs}
     stages = {Path(str(job.rule.snakefile)).stem for job in jobs}
     problems = []
-    if SIMULATED and not CALIBRATES and not WEARS_SURFACE:
+    if SIMULATED and not CALIBRATES:
         cases = [
             int(job.wildcards.case) for job in jobs if hasattr(job.wildcards, "case")
         ]

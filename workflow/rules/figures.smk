@@ -23,27 +23,10 @@ rule figures:
         ),
 
 
-if SIMULATED:
+if ON_PLATE:
 
     # Figures of single cases depend only on the batches of these cases, so that new blocks do not
     # redraw them.
-    rule figure_setup:
-        """The simulation set-up: plate, factory, particles and wear map."""
-        input:
-            particles=f"{RESULTS}/scenes/typical/particles.parquet",
-            wear=f"{RESULTS}/scenes/typical/wear.parquet",
-        output:
-            figure_files("setup"),
-        log:
-            f"{LOGS}/figure_setup.log",
-        conda:
-            "../envs/abradem.yaml"
-        params:
-            **drawn_as("setup"),
-            options={"case": TYPICAL, "setup": SETUP, "measure": MEASURE},
-        script:
-            "../scripts/figures/figure.py"
-
     rule figure_series:
         """Wear depth against time for some cases."""
         input:
@@ -202,7 +185,9 @@ rule figure_coefficients:
         "../envs/abradem.yaml"
     params:
         **drawn_as("coefficients"),
-        options={name: TARGET[name] for name in ("element_size", "known")},
+        options={
+            name: TARGET[name] for name in ("element_size", "known", "cells", "part")
+        },
     script:
         "../scripts/figures/figure.py"
 
@@ -220,7 +205,9 @@ rule figure_predicted_linear:
         "../envs/abradem.yaml"
     params:
         **drawn_as("predicted_linear"),
-        options={name: TARGET[name] for name in ("element_size", "known")},
+        options={
+            name: TARGET[name] for name in ("element_size", "known", "cells", "part")
+        },
     script:
         "../scripts/figures/figure.py"
 
@@ -412,7 +399,7 @@ rule figure_architecture:
 rule figure_distributions:
     """Distributions of standardised wear, predictions and errors."""
     input:
-        dataset=rules.dataset.output[0],
+        dataset=ROWS,
         predictions=rules.scores.output.predictions,
     output:
         figure_files("distributions"),

@@ -13,9 +13,10 @@ rule surface:
         f"{RESULTS}/parts.html",
         expand(
             f"{RESULTS}/figures/{{figure}}.{{suffix}}",
-            figure=["surface", "part_rates"],
+            figure=["setup", "surface", "part_rates"],
             suffix=FORMATS,
         ),
+        f"{RESULTS}/scene.html",
 
 
 rule cells:
@@ -47,6 +48,26 @@ rule cells:
         code=code_of("geometry/cells"),
     script:
         "../scripts/geometry/cells.py"
+
+
+if CONFIG.learning.part is not None:
+
+    rule part_rows:
+        """The rows of the data set with the wear of the part that the models explain."""
+        input:
+            dataset=f"{RESULTS}/dataset.parquet",
+            parts=rules.cells.output.parts,
+        output:
+            f"{RESULTS}/learning/part_rows.parquet",
+        log:
+            f"{LOGS}/part_rows.log",
+        conda:
+            "../envs/abradem.yaml"
+        params:
+            part=CONFIG.learning.part,
+            code=code_of("geometry/part_rows"),
+        script:
+            "../scripts/geometry/part_rows.py"
 
 
 rule part_effects:

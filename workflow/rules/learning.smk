@@ -27,13 +27,13 @@ rule learning:
         rules.baselines.input,
         rules.physical.input,
         f"{RESULTS}/learning/scores.parquet",
-        f"{RESULTS}/learning/exponents.parquet",
+        [] if WEARS_SURFACE else f"{RESULTS}/learning/exponents.parquet",
 
 
 rule scores:
     """The scores and predictions of all models, and their comparison."""
     input:
-        dataset=rules.dataset.output[0],
+        dataset=ROWS,
         scores=expand(f"{RESULTS}/learning/{{stage}}_scores.parquet", stage=SCORED),
         predictions=expand(
             f"{RESULTS}/learning/{{stage}}_predictions.parquet", stage=SCORED
@@ -66,7 +66,7 @@ rule scores:
 rule exponents:
     """Exponents of the wear rate beside those of the published data."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         f"{RESULTS}/learning/exponents.parquet",
     log:

@@ -13,7 +13,9 @@ JET = {
         "plate_width",
         "patch_length",
         "patch_width",
+        "geometry",
     )
+    if name in SETUP
 }
 DISTILLED = SURROGATE.model_dump(include={"points", "hidden", "epochs"})
 FAMILIES = {
@@ -39,7 +41,7 @@ rule physical:
         f"{RESULTS}/models/surrogate.json",
         f"{RESULTS}/learning/physical.json",
         f"{RESULTS}/learning/targets.parquet",
-        f"{RESULTS}/models/wear_maps.json" if SIMULATED else [],
+        f"{RESULTS}/models/wear_maps.json" if ON_PLATE else [],
         FRESH_COVERAGE,
 
 
@@ -53,7 +55,7 @@ rule coverage:
 rule fit_physical:
     """Power law, Gaussian process, boosting and ensemble of networks on dimensionless groups."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         scores=f"{RESULTS}/learning/physical_scores.parquet",
         predictions=f"{RESULTS}/learning/physical_predictions.parquet",
@@ -88,7 +90,7 @@ rule fit_physical:
 rule intervals:
     """Prediction intervals of the Gaussian process, calibrated and tested on held-out rows."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         calibration=f"{RESULTS}/learning/calibration.parquet",
         regions=f"{RESULTS}/learning/coverage.parquet",
@@ -115,7 +117,7 @@ rule intervals:
 rule local_wear:
     """Models of the wear at other places of the plate, for the surrogate."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         local=f"{RESULTS}/learning/local_wear.json",
         local_arrays=f"{RESULTS}/learning/local_wear.safetensors",
@@ -145,7 +147,7 @@ rule local_wear:
 rule surrogate:
     """The surrogate for `abradem predict`, and its scores."""
     input:
-        dataset=rules.dataset.output[0],
+        dataset=ROWS,
         process=rules.fit_physical.output.process_arrays,
         intervals=rules.intervals.output.summary,
         errors=rules.intervals.output.scores,
@@ -180,7 +182,12 @@ rule surrogate:
             "seed": CONFIG.seed,
             "element_size": TARGET["element_size"],
         },
-        meaning={"jet_known": jet_is_known(CONFIG), "target_known": TARGET["known"]},
+        meaning={
+            "jet_known": jet_is_known(CONFIG),
+            "target_known": TARGET["known"],
+            "cells": TARGET["cells"],
+            "part": TARGET["part"],
+        },
         code=code_of("physical/surrogate"),
     script:
         "../scripts/physical/surrogate.py"
@@ -189,7 +196,7 @@ rule surrogate:
 rule sensitivity:
     """Sensitivity of the wear to the sampled quantities."""
     input:
-        dataset=rules.dataset.output[0],
+        dataset=ROWS,
         process=rules.fit_physical.output.process_arrays,
     output:
         indices=f"{RESULTS}/learning/sobol.parquet",
@@ -222,7 +229,7 @@ rule sensitivity:
 rule reach:
     """Learning curves, extrapolation, and scores for all wear rates."""
     input:
-        rules.dataset.output,
+        ROWS,
     output:
         curve=f"{RESULTS}/learning/learning_curve.parquet",
         extrapolation=f"{RESULTS}/learning/extrapolation.parquet",
@@ -255,7 +262,7 @@ rule reach:
         "../scripts/physical/reach.py"
 
 
-if SIMULATED:
+if ON_PLATE:
 
     rule wear_maps:
         """The map surrogate, for `abradem predict --map` and the explorer, and its scores."""
@@ -378,4 +385,4 @@ if TESTED_WITH:
             "../scripts/physical/fresh_coverage.py"
 
 
-NOISE_SUMMARY = rules.noise_floor.output.summary if SIMULATED else []
+NOISE_SUMMARY = rules.noise_floor.output.summary if ON_PLATE else []

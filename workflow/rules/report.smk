@@ -5,7 +5,7 @@ if not IN_MODULE:
 
 # Tables that the report shows, see abradem.report.tables. The Parquet files are the data.
 TABLE_FILES = {
-    "dataset": rules.dataset.output[0],
+    "dataset": ROWS,
     "linear_coefficients": rules.linear.output.coefficients,
     "linear_published": rules.linear.output.published,
     "penalised_weights": rules.penalised.output.weights,
@@ -15,7 +15,7 @@ TABLE_FILES = {
     "beside_paper": rules.scores.output.beside_paper,
     "error_by_region": rules.scores.output.by_region,
     "power_law": rules.fit_physical.output.exponents,
-    "exponents": rules.exponents.output[0],
+    **({} if WEARS_SURFACE else {"exponents": rules.exponents.output[0]}),
     "targets": rules.reach.output.targets,
     "extrapolation": rules.reach.output.extrapolation,
     "sobol": rules.sensitivity.output.indices,
@@ -52,8 +52,6 @@ IN_LATEX = ["numbers", "quantities", "features", "models", "exponents", "verific
 localrules:
     documents,
     paper,
-    movie,
-    vtk,
 
 
 rule documents:
@@ -64,10 +62,11 @@ rule documents:
         f"{RESULTS}/models/findings.html",
         f"{RESULTS}/models/model_card.html",
         f"{RESULTS}/explorer.html",
-        f"{RESULTS}/scene.html" if SIMULATED and not WEARS_SURFACE else [],
+        f"{RESULTS}/scene.html" if SIMULATED else [],
         f"{RESULTS}/config.yaml",
         f"{RESULTS}/versions.json",
-        expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
+        # Texts for a paper are about the plate.
+        [] if WEARS_SURFACE else expand(f"{RESULTS}/latex/{{name}}.tex", name=IN_LATEX),
 
 
 rule table:
@@ -98,7 +97,7 @@ rule table:
 rule summary:
     """Headline numbers for the overview of the report."""
     input:
-        dataset=rules.dataset.output[0],
+        dataset=ROWS,
         failures=rules.failures.output[0] if SIMULATED else [],
         linear=rules.linear.output.summary,
         comparison=rules.scores.output.comparison,
@@ -151,12 +150,12 @@ rule findings:
         extrapolation=rules.reach.output.extrapolation,
         indices=rules.sensitivity.output.indices,
         falls=rules.sensitivity.output.falls,
-        exponents=rules.exponents.output[0],
+        exponents=[] if WEARS_SURFACE else rules.exponents.output[0],
         comparison=rules.scores.output.comparison,
         by_region=rules.scores.output.by_region,
         fresh=FRESH_SUMMARY[0] if TESTED_WITH else [],
         noise=NOISE_SUMMARY,
-        speed=rules.speed_up.output[0] if SIMULATED else [],
+        speed=rules.speed_up.output[0] if ON_PLATE else [],
     output:
         report(
             f"{RESULTS}/models/findings.html",
@@ -198,7 +197,11 @@ rule model_card:
         "../envs/abradem.yaml"
     params:
         said={
-            "ranges": sampled_ranges(CONFIG) if SIMULATED else None,
+            "ranges": (
+                {**sampled_ranges(CONFIG), **geometry_ranges(CONFIG)}
+                if SIMULATED
+                else None
+            ),
             "software": abradem.__version__,
             "licence": LICENCE if SIMULATED else None,
             "confidence": LEARNING.confidence,
@@ -211,11 +214,11 @@ rule model_card:
 rule explorer:
     """The explorer, a page that predicts wear while sliders are moved."""
     input:
-        dataset=rules.dataset.output[0],
+        dataset=ROWS,
         model=rules.surrogate.output.model,
         model_arrays=rules.surrogate.output.model_arrays,
-        maps=rules.wear_maps.output.model if SIMULATED else [],
-        map_arrays=rules.wear_maps.output.model_arrays if SIMULATED else [],
+        maps=rules.wear_maps.output.model if ON_PLATE else [],
+        map_arrays=rules.wear_maps.output.model_arrays if ON_PLATE else [],
     output:
         report(
             f"{RESULTS}/explorer.html",
@@ -233,7 +236,7 @@ rule explorer:
             "presets": {name: preset(name) for name in PARTICLE_MATERIALS},
         },
         # The parts of the page are no modules.
-        parts=files_hash(*EXPLORER_FILES),
+        parts=files_hash(*FRAME_FILES, *EXPLORER_FILES),
         code=code_of("report/explorer"),
     script:
         "../scripts/report/explorer.py"
@@ -295,114 +298,3 @@ rule paper_pdf:
         code=code_of("report/typeset"),
     script:
         "../scripts/report/typeset.py"
-
-
-if SIMULATED:
-
-    rule scene_page:
-        """Particles and wear of the typical case in three dimensions, as a page."""
-        input:
-            particles=f"{RESULTS}/scenes/typical/particles.parquet",
-            wear=f"{RESULTS}/scenes/typical/wear.parquet",
-        output:
-            report(
-                f"{RESULTS}/scene.html",
-                caption="../report/scene.rst",
-                category="Set-up",
-                labels={"figure": "scene in 3-D", "file": "scene.html"},
-            ),
-        log:
-            f"{LOGS}/scene_page.log",
-        conda:
-            "../envs/abradem.yaml"
-        params:
-            options={
-                "study": CONFIG.study,
-                "case": TYPICAL,
-                "setup": SETUP,
-                "measure": MEASURE,
-            },
-            # The parts of the page are no modules.
-            parts=files_hash(*SCENE_FILES),
-            code=code_of("report/scene"),
-        script:
-            "../scripts/report/scene.py"
-
-    # On demand: `snakemake movie`; needs an encoder, pip install -e '.[movie]'.
-    FILMED = [f"plate_{angle:g}" for angle in FILM.plate_angles]
-
-    rule movie:
-        """Target, on demand: a film of the growing wear on plates; needs the extra movie."""
-        input:
-            f"{RESULTS}/movie/wear.mp4",
-            f"{RESULTS}/movie/wear.png",
-
-    rule film:
-        """The film of plates side by side, and its last frame."""
-        input:
-            particles=expand(rules.scene.output.particles, scene=FILMED),
-            wear=expand(rules.scene.output.wear, scene=FILMED),
-        output:
-            film=f"{RESULTS}/movie/wear.mp4",
-            still=f"{RESULTS}/movie/wear.png",
-        log:
-            f"{LOGS}/film.log",
-        conda:
-            "../envs/abradem.yaml"
-        params:
-            cases=[{**TYPICAL, **SCENES[scene][0]} for scene in FILMED],
-            setup=SETUP,
-            measure=MEASURE,
-            width=FILM.panel_pixels,
-            per_second=FILM.frames_per_second,
-            code=code_of("report/movie"),
-        script:
-            "../scripts/report/movie.py"
-
-    # On demand: `snakemake vtk`, for the typical case and the cases of simulation.export.
-    rule vtk:
-        """Target, on demand: particles and plate for ParaView."""
-        input:
-            f"{RESULTS}/vtk/typical",
-            expand(f"{RESULTS}/vtk/case-{{case}}", case=CONFIG.simulation.export.cases),
-
-    rule vtk_of_scene:
-        """Snapshots of a scene for ParaView."""
-        input:
-            particles=f"{RESULTS}/scenes/{{scene}}/particles.parquet",
-            wear=f"{RESULTS}/scenes/{{scene}}/wear.parquet",
-        output:
-            directory(f"{RESULTS}/vtk/{{scene}}"),
-        log:
-            f"{LOGS}/vtk/{{scene}}.log",
-        wildcard_constraints:
-            scene="|".join(map(re.escape, SCENES)),
-        conda:
-            "../envs/abradem.yaml"
-        params:
-            case=lambda wildcards: {**TYPICAL, **SCENES[wildcards.scene][0]},
-            setup=SETUP,
-            code=code_of("report/vtk"),
-        script:
-            "../scripts/report/vtk.py"
-
-    rule vtk_of_case:
-        """Snapshots of a case for ParaView."""
-        input:
-            particles=rules.snapshots_of_case.output.particles,
-            wear=rules.snapshots_of_case.output.wear,
-            cases=lambda wildcards: batches_with(
-                [int(wildcards.case)], f"{RESULTS}/cases/block-{{block}}.parquet"
-            ),
-        output:
-            directory(f"{RESULTS}/vtk/case-{{case}}"),
-        log:
-            f"{LOGS}/vtk/case-{{case}}.log",
-        conda:
-            "../envs/abradem.yaml"
-        params:
-            case=None,
-            setup=SETUP,
-            code=code_of("report/vtk"),
-        script:
-            "../scripts/report/vtk.py"

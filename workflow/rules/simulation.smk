@@ -10,16 +10,23 @@ MESH = (
     else []
 )
 
+# A film has plates at several angles, or a geometry.
+FILMED = (
+    {"film": {}}
+    if WEARS_SURFACE
+    else {f"plate_{angle:g}": {"plate_angle": angle} for angle in FILM.plate_angles}
+)
+
 # For each scene: differences from the typical case, duration (s), time between snapshots (s).
 SCENES = {
     "typical": ({}, PICTURED.duration_s, PICTURED.interval_s),
     **{
-        f"plate_{angle:g}": (
-            {"plate_angle": angle},
+        name: (
+            difference,
             FILM.duration_s,
             1.0 / (FILM.frames_per_second * FILM.slow_motion),
         )
-        for angle in FILM.plate_angles
+        for name, difference in FILMED.items()
     },
 }
 
@@ -57,6 +64,8 @@ rule simulate:
     priority: seconds_of_batch
     conda:
         "../envs/abradem.yaml"
+    # Results do not depend on it, so it is no parameter.
+    threads: CONFIG.threads
     resources:
         mem_mb=growing(BATCH_MB),
         runtime=growing(BATCH_MINUTES),
@@ -85,9 +94,10 @@ rule snapshots:
 rule snapshots_of_case:
     """Snapshots of one case at regular intervals."""
     input:
-        lambda wildcards: batches_with(
+        cases=lambda wildcards: batches_with(
             [int(wildcards.case)], f"{RESULTS}/cases/block-{{block}}.parquet"
         ),
+        mesh=MESH,
     output:
         particles=f"{RESULTS}/export/case-{{case}}/particles.parquet",
         contacts=f"{RESULTS}/export/case-{{case}}/contacts.parquet",
@@ -109,6 +119,8 @@ rule snapshots_of_case:
 
 rule scene:
     """Snapshots of a short simulation for pictures."""
+    input:
+        MESH,
     output:
         particles=f"{RESULTS}/scenes/{{scene}}/particles.parquet",
         contacts=f"{RESULTS}/scenes/{{scene}}/contacts.parquet",

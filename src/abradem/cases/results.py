@@ -300,7 +300,12 @@ _CASE_ID = 0
 
 
 def simulate(
-    case: Case, setup: Setup | None = None, releases=None, progress=None, recorder=None
+    case: Case,
+    setup: Setup | None = None,
+    releases=None,
+    progress=None,
+    recorder=None,
+    threads: int = 1,
 ) -> CaseResult:
     """Pour particles on the plate of ``case`` until its wear rate is accurate enough.
 
@@ -311,7 +316,7 @@ def simulate(
     case : Case
     setup : Setup, optional
         The default is that of `studies/dilute.yaml`.
-    releases, progress, recorder : optional
+    releases, progress, recorder, threads : optional
         As for `abradem.dem.simulation.simulate`.
 
     Returns
@@ -337,8 +342,8 @@ def simulate(
     lines = [impossible(name, getattr(case, name)) for name in SAMPLED_NAMES]
     if problems := [line for line in lines if line]:
         raise ValueError("\n".join(problems))
-    options = {"releases": releases, "progress": progress, "recorder": recorder}
-    result = run_engine(case, setup, **options)
+    watched = {"releases": releases, "progress": progress, "recorder": recorder}
+    result = run_engine(case, setup, **watched, threads=threads)
     return CaseResult(
         **{field.name: getattr(result, field.name) for field in dataclasses.fields(result)}
     )

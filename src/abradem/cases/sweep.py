@@ -17,7 +17,7 @@ from typing import Any
 import pandas as pd
 
 from abradem.dem.model import Setup
-from abradem.quantities import SAMPLED_NAMES, STDERR_COLUMNS, WEAR_COLUMNS
+from abradem.quantities import GEOMETRY_NAMES, SAMPLED_NAMES, STDERR_COLUMNS, WEAR_COLUMNS
 from abradem.sampling.checks import check_case
 from abradem.simulation.batch import TABLES, run_case
 from abradem.surrogate.model import Surrogate
@@ -93,7 +93,8 @@ def simulate_cases(
 
 
 def _row(number: int, seed: int, case: Mapping, setup: Mapping) -> dict[str, Any]:
-    values = {name: float(case[name]) for name in SAMPLED_NAMES}
+    names = (*SAMPLED_NAMES, *(name for name in GEOMETRY_NAMES if name in case))
+    values = {name: float(case[name]) for name in names}
     rejected = check_case(values, Setup.from_dict(setup))
     return {"case_id": number, "block": 0, "seed": seed, "rejected": rejected, **values}
 

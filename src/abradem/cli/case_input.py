@@ -7,13 +7,13 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from abradem.cli.arguments import InputError
 from abradem.cli.given_values import Given, add_material_argument, say_preset, value_text
-from abradem.quantities import SAMPLED_NAMES
+from abradem.surrogate.geometry_groups import numbers_of
 from abradem.units import MM_PER_M, parse_quantity
 from abradem.words.wear import WearTarget
 
@@ -96,7 +96,6 @@ def add_case_arguments(parser: argparse.ArgumentParser) -> None:
 def read_setup(options: argparse.Namespace, problems: list[str]) -> OwnSetup | None:
     """Return the set-up that the options describe, or None; problems are added, a line each."""
     from abradem.config import ConfigError, load_config, read_config, setup_dict
-    from abradem.config.geometry import geometry_ranges
 
     duration = _duration(options.duration, problems)
     if options.seed is not None and not 0 <= options.seed <= LARGEST_SEED:
@@ -119,21 +118,14 @@ def read_setup(options: argparse.Namespace, problems: list[str]) -> OwnSetup | N
     setup = setup_dict(config)
     if duration is not None:
         setup["duration"] = duration
-    if setup.get("geometry"):
-        middle = {name: (low + high) / 2.0 for name, (low, high) in geometry_ranges(config).items()}
-        setup["geometry"] = _settled(setup["geometry"], middle)
     names = " ".join(str(path) for path in files)
     origin = names or "the default study"
     return OwnSetup(config, origin, setup, config.seed if options.seed is None else options.seed)
 
 
-def _settled(value, middle: Mapping[str, float]):
-    """Return a geometry with the middle of the range for each number that a study samples."""
-    if isinstance(value, Mapping):
-        return {name: _settled(one, middle) for name, one in value.items()}
-    if isinstance(value, list):
-        return [_settled(one, middle) for one in value]
-    return middle.get(value, value) if isinstance(value, str) else value
+def own_geometry(own: OwnSetup | None) -> Mapping | None:
+    """Return the geometry of a set-up as plain values, or None for the plate."""
+    return None if own is None else own.setup.get("geometry")
 
 
 def check_mesh(setup: Mapping) -> None:
@@ -217,20 +209,60 @@ def headline(config: Config) -> WearTarget:
 
 def middle_of_ranges(own: OwnSetup, given: Iterable[str]) -> dict[str, float]:
     """Return the quantities that are not given: the middle of the ranges of the study."""
-    from abradem.config import sampled_ranges
+    from abradem.config import geometry_ranges, sampled_ranges
 
     given = set(given)
-    ranges = sampled_ranges(own.config)
+    ranges = {**sampled_ranges(own.config), **geometry_ranges(own.config)}
+    return {name: (low + high) / 2.0 for name, (low, high) in ranges.items() if name not in given}
+
+
+def with_given_numbers(own: OwnSetup, given: Iterable[str]) -> OwnSetup:
+    """Return the set-up whose geometry takes the numbers that are given from the case."""
+    geometry: Mapping = own.setup.get("geometry") or {}
+    numbers = numbers_of(geometry)
+    changed = {name for name in given if isinstance(numbers.get(name), (int, float))}
+    if not changed:
+        return own
+    shape = dict(geometry["shape"])
+    if "plates" in shape:
+        shape["plates"] = [
+            _of_case(plate, f"plate_{place}", changed)
+            for place, plate in enumerate(shape["plates"], 1)
+        ]
+    else:
+        shape = _of_case(shape, shape["kind"], changed)
+    return own._replace(setup={**own.setup, "geometry": {**geometry, "shape": shape}})
+
+
+def _of_case(fields: Mapping, begin: str, changed: Collection[str]) -> dict:
+    """Return fields of a geometry with the names of quantities for the numbers of these names."""
     return {
-        name: (ranges[name][0] + ranges[name][1]) / 2.0
-        for name in SAMPLED_NAMES
-        if name not in given
+        field: f"{begin}_{field}" if f"{begin}_{field}" in changed else value
+        for field, value in fields.items()
     }
+
+
+def unused_values(own: OwnSetup | None, names: Iterable[str]) -> list[str]:
+    """Return a line for each quantity that is given although nothing depends on it."""
+    from abradem.config.unused import unused_quantities
+
+    if own is None:
+        return []
+    kind = own.config.simulation.geometry.kind
+    return [
+        f"{name}: means nothing with geometry.kind: {kind} (allowed without it)"
+        for name in unused_quantities(own.config)
+        if name in names
+    ]
 
 
 def say_origins(given: Given, own: OwnSetup, filled: Mapping[str, float]) -> None:
     """Print where the quantities that are not on the command line come from."""
+    from abradem.config.unused import unused_quantities
+
     say_preset(given)
+    unused = unused_quantities(own.config)
+    filled = {name: value for name, value in filled.items() if name not in unused}
     if filled:
         values = ", ".join(value_text(name, value) for name, value in sorted(filled.items()))
         print(f"not given, middle of the ranges of {own.origin}: {values}", file=sys.stderr)
@@ -246,21 +278,17 @@ def patch_words(feed: Feed) -> str:
     )
 
 
-def load_kernels(stepping: str) -> None:
-    """Load the kernels of the engine; say so if they have to be compiled first."""
+def load_kernels(setup: Mapping) -> None:
+    """Load the kernels of the engine for a set-up; say so if they have to be compiled first."""
     from abradem.dem import warm
-    from abradem.dem.cache import is_compiled
+    from abradem.dem.cache import compiling_words, is_compiled
 
     begin = time.monotonic()
-    compiles = not is_compiled(stepping)
+    needed = setup["stepping"], bool(setup.get("geometry"))
+    compiles = not is_compiled(*needed)
     if compiles:
-        print(
-            "compiling the engine, once for this version of it on this machine: half a minute or "
-            "more",
-            file=sys.stderr,
-            flush=True,
-        )
-    warm.load(stepping)
+        print(f"compiling the engine, {compiling_words(needed[1])}", file=sys.stderr, flush=True)
+    warm.load(*needed)
     if compiles:
         print(f"compiled in {time.monotonic() - begin:.0f} s", file=sys.stderr)
 

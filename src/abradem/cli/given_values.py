@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from abradem.config.materials import PARTICLE_MATERIALS, material_name, preset, similar_material
-from abradem.dataset.known_names import hint_for, known_quantity
+from abradem.dataset.known_names import hint_for, known_quantity, normal
 from abradem.quantities import SAMPLED_NAMES, impossible, quantity
+from abradem.surrogate.geometry_groups import numbers_of, places_of
 from abradem.surrogate.model import PredictionError
 from abradem.units import has_unit, parse_quantity, parse_value
 
@@ -49,7 +50,9 @@ LEAST_PERCENT = 50.0
 """Smallest number that is taken for percent without the mark: 1.5 may be a slip of 0.15 or 15."""
 
 
-def given_values(texts: Sequence[str], material: str | None) -> Given:
+def given_values(
+    texts: Sequence[str], material: str | None, geometry: Mapping | None = None
+) -> Given:
     """Read the values of a command line and of a preset.
 
     Parameters
@@ -58,17 +61,21 @@ def given_values(texts: Sequence[str], material: str | None) -> Given:
         Words such as "particle_radius=20mm"; a word without "=" continues the value before it.
     material : str or None
         Name of a preset.
+    geometry : mapping or None
+        Whose numbers are quantities as well, see `quantity_named`.
 
     Raises
     ------
     PredictionError
         With one line for each problem; all misspelt names are in one line.
     """
-    swept = _read(texts, material, lists=False)
+    swept = _read(texts, material, geometry, lists=False)
     return swept.fixed
 
 
-def swept_values(texts: Sequence[str], material: str | None) -> Swept:
+def swept_values(
+    texts: Sequence[str], material: str | None, geometry: Mapping | None = None
+) -> Swept:
     """Read the values of a sweep, each a value, a list or a range, and of a preset.
 
     Parameters
@@ -79,16 +86,49 @@ def swept_values(texts: Sequence[str], material: str | None) -> Swept:
         is that of all.
     material : str or None
         Name of a preset.
+    geometry : mapping or None
+        Whose numbers are quantities as well, see `quantity_named`.
 
     Raises
     ------
     PredictionError
         With one line for each problem.
     """
-    return _read(texts, material, lists=True)
+    return _read(texts, material, geometry, lists=True)
 
 
-def _read(texts: Sequence[str], material: str | None, lists: bool) -> Swept:
+def quantity_named(text: str, geometry: Mapping | None) -> tuple[str, str | None] | None:
+    """Return the quantity that a name stands for and the unit in the name, or None.
+
+    Parameters
+    ----------
+    text : str
+        Such as "plate_angle" or, of a geometry, "arc.radius", "lower.angle" for the plate named
+        "lower", or "plate_2_angle".
+    geometry : mapping or None
+        Plain values, see `abradem.surrogate.geometry_groups.numbers_of`.
+    """
+    numbers = numbers_of(geometry)
+    found = known_quantity(text, SAMPLED_NAMES)
+    if found is not None or not numbers:
+        return found
+    key = normal(text)
+    for part, place in places_of(geometry).items():
+        if key.startswith(f"{normal(part)}_"):
+            key = f"{place}_{key.removeprefix(f'{normal(part)}_')}"
+            break
+    found = known_quantity(key, numbers)
+    if found is None:
+        return None
+    name, unit = found
+    # A plate may have the sampled plate angle.
+    other = numbers[name]
+    return (other if isinstance(other, str) else name), unit
+
+
+def _read(
+    texts: Sequence[str], material: str | None, geometry: Mapping | None, lists: bool
+) -> Swept:
     values: dict[str, float] = {}
     origins: dict[str, str] = {}
     several: dict[str, tuple[float, ...]] = {}
@@ -106,7 +146,7 @@ def _read(texts: Sequence[str], material: str | None, lists: bool) -> Swept:
         if not equals:
             problems.append(f"{text!r} is not of the form NAME=VALUE")
             continue
-        known = known_quantity(name, SAMPLED_NAMES)
+        known = quantity_named(name, geometry)
         if known is None:
             unknown.append(name)
         elif known[0] in seen:
@@ -126,7 +166,7 @@ def _read(texts: Sequence[str], material: str | None, lists: bool) -> Swept:
             except ValueError as error:
                 problems.append(str(error))
     if unknown:
-        problems.insert(0, _unknown(unknown))
+        problems.insert(0, _unknown(unknown, geometry))
     if problems:
         # What is possible is checked again where the values are used.
         problems += impossible_values({**values, **several})
@@ -190,11 +230,12 @@ def _assignments(texts: Sequence[str]) -> list[str]:
     return found
 
 
-def _unknown(names: Sequence[str]) -> str:
+def _unknown(names: Sequence[str], geometry: Mapping | None) -> str:
     """Return one line on all names that are no quantities."""
-    hints = [hint_for(name, SAMPLED_NAMES) for name in names]
+    allowed = (*SAMPLED_NAMES, *numbers_of(geometry))
+    hints = [hint_for(name, allowed) for name in names]
     shown = [f"{name} ({hint})" if hint else name for name, hint in zip(names, hints, strict=True)]
-    known = "" if all(hints) else f"; known are {', '.join(SAMPLED_NAMES)}"
+    known = "" if all(hints) else f"; known are {', '.join(allowed)}"
     plural = "no such quantity" if len(names) == 1 else "no such quantities"
     return f"{', '.join(shown)}: {plural}{known}"
 
@@ -272,7 +313,9 @@ def hours_of(text: str) -> float:
     return hours
 
 
-def sought_quantity(option: str, text: str, given: Given) -> tuple[str, tuple[float, float] | None]:
+def sought_quantity(
+    option: str, text: str, given: Given, geometry: Mapping | None = None
+) -> tuple[str, tuple[float, float] | None]:
     """Return the quantity of a text such as "plate_angle" or "plate_angle=20:60deg", and its range.
 
     Parameters
@@ -282,6 +325,8 @@ def sought_quantity(option: str, text: str, given: Given) -> tuple[str, tuple[fl
     text : str
     given : Given
         A quantity that is sought may be in its preset, not on the command line.
+    geometry : mapping or None
+        See `quantity_named`.
 
     Raises
     ------
@@ -289,9 +334,9 @@ def sought_quantity(option: str, text: str, given: Given) -> tuple[str, tuple[fl
         With one line.
     """
     word, equals, behind = (part.strip() for part in text.partition("="))
-    known = known_quantity(word, SAMPLED_NAMES)
+    known = quantity_named(word, geometry)
     if known is None:
-        raise PredictionError(f"{option} {text}: {_unknown([word])}")
+        raise PredictionError(f"{option} {text}: {_unknown([word], geometry)}")
     name, unit = known
     if given.origins.get(name) == COMMAND_LINE:
         raise PredictionError(f"{option} {text}: {name} is also given as a value; leave one out")

@@ -5,7 +5,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from abradem.cli.given_values import Given, say_preset, sought_quantity, value_text
-from abradem.cli.predict_words import NO_END, level_text, place_words, rate_text, warn
+from abradem.cli.predict_words import (
+    NO_END,
+    fixed_words,
+    level_text,
+    place_words,
+    rate_text,
+    warn,
+)
 from abradem.learning.number_text import number_or_words
 from abradem.quantities import quantity, wear_parts
 from abradem.surrogate.inverse import CLOSED_FORM, least_and_greatest, range_of, solve
@@ -45,7 +52,7 @@ def print_solution(
     surrogate: Surrogate, given: Given, text: str, wanted: Depth, level: float | None, target: str
 ) -> None:
     """Print the values of a quantity with which a depth is worn in some hours."""
-    name, ends = sought_quantity("--solve", text, given)
+    name, ends = _sought(surrogate, "--solve", text, given)
     if name == CLOSED_FORM and ends is not None:
         raise PredictionError(f"--solve {text}: {name} needs no range, the wear is proportional")
     others = _without(given, name)
@@ -84,7 +91,7 @@ def print_extremes(
     surrogate: Surrogate, given: Given, text: str, level: float | None, target: str
 ) -> None:
     """Print the least and the greatest wear depth rate over the range of a quantity."""
-    name, ends = sought_quantity("--extremes", text, given)
+    name, ends = _sought(surrogate, "--extremes", text, given)
     others = _without(given, name)
     found = least_and_greatest(surrogate, others.values, name, level, target, ends)
     warn(dict.fromkeys(line for one in found.predictions for line in one.warnings))
@@ -94,6 +101,14 @@ def print_extremes(
     ):
         said = rate_text(surrogate, target, one)
         print(f"{word} wear depth rate at {value_text(name, value)}: {said}")
+
+
+def _sought(surrogate: Surrogate, option: str, text: str, given: Given):
+    """Return the quantity that is sought and its range; raise if the surrogate has none such."""
+    name, ends = sought_quantity(option, text, given, surrogate.jet.geometry)
+    if name not in surrogate.ranges:
+        raise PredictionError(f"{option} {text}: {fixed_words(surrogate, [name])}")
+    return name, ends
 
 
 def _without(given: Given, name: str) -> Given:

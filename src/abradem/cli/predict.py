@@ -20,7 +20,7 @@ from abradem.cli.given_values import (
 )
 from abradem.cli.inverse_questions import Depth, print_extremes, print_solution, target_of
 from abradem.cli.predict_map import check_map_path, predict_map
-from abradem.cli.predict_words import NO_END, depth_words, rate_text, warn
+from abradem.cli.predict_words import NO_END, depth_words, fixed_words, rate_text, warn
 from abradem.config.materials import PARTICLE_MATERIALS, PLATE_MATERIALS
 from abradem.learning.number_text import number_or_words
 from abradem.quantities import SAMPLED
@@ -30,6 +30,9 @@ from abradem.words.labels import LABELS
 EPILOG = """\
 quantities (unit, range of the paper, meaning):
 {quantities}
+
+A geometry with sampled quantities has these as well, such as arc.radius=400mm or, for the plate
+that is named lower, lower.angle=150deg.
 
 A value may have a unit: 20mm, 45°, -5 m/s, 18 km/h, 2.65 g/cm³. Otherwise the unit is that above.
 
@@ -128,11 +131,21 @@ def run(options: argparse.Namespace) -> int:
     _refuse_combinations(options)
     if options.map is not None:
         check_map_path(options.map)
-    given = given_values(options.values, options.material)
+    surrogate = _surrogate(options.model)
+    geometry = surrogate.jet.geometry if isinstance(surrogate, Surrogate) else None
+    given = given_values(options.values, options.material, geometry)
     depth = None if options.depth is None else depth_mm(options.depth)
     level = None if options.confidence is None else confidence_level(options.confidence)
-    model = options.model or default_model()
-    surrogate = Surrogate.load(model)
+    if not isinstance(surrogate, Surrogate):
+        raise surrogate
+    fixed = [name for name in given.values if name not in surrogate.ranges]
+    if fixed:
+        raise PredictionError(fixed_words(surrogate, fixed))
+    if options.map is not None and geometry is not None:
+        raise PredictionError(
+            f"--map {options.map}: the map of a geometry is not predicted (allowed for a plate; "
+            "abradem simulate --map)"
+        )
     if not surrogate.description.get("jet_known", True):
         warn(["the jet of the table behind the model is not known; answers are for it alone"])
     if options.onnx:
@@ -158,8 +171,17 @@ def run(options: argparse.Namespace) -> int:
     else:
         _predict_case(surrogate, given, depth, level)
         if options.map is not None:
+            model = options.model or default_model()
             print(predict_map(model, surrogate, given.values, options.map))
     return 0
+
+
+def _surrogate(model: str | None) -> Surrogate | PredictionError:
+    """Return the surrogate, or why it cannot be read: values are judged before."""
+    try:
+        return Surrogate.load(model or default_model())
+    except PredictionError as error:
+        return error
 
 
 def _refuse_combinations(options: argparse.Namespace) -> None:

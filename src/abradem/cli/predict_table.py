@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +25,9 @@ from abradem.dataset.user_table import (
     table_suffix,
     unused_columns,
 )
-from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, quantity, wear_parts
+from abradem.quantities import FEATURE_NAMES, quantity, wear_parts
 from abradem.store.files import TableError, replacing, write_text
+from abradem.surrogate.groups import Jet, input_names
 from abradem.surrogate.model import Prediction, PredictionError, Surrogate
 from abradem.words.labels import LABELS
 
@@ -74,7 +76,7 @@ def predict_table(
     """
     target = None if output is None else _target(output, path)
     table = read_user_table(path)
-    values = _values(table, given)
+    values = _values(table, given, surrogate.jet)
     try:
         found = surrogate.predict_all(values, level)
     except PredictionError as error:
@@ -147,12 +149,13 @@ def _target(output: str, path: str) -> Path:
     return target
 
 
-def _values(table: UserTable, given: Given) -> dict[str, np.ndarray]:
+def _values(table: UserTable, given: Given, jet: Jet) -> dict[str, np.ndarray]:
     """Return the sampled quantities, from the table and otherwise from the command line."""
-    places, faulty = find_columns(table, FEATURE_NAMES)
-    problems = [line for name, line in faulty.items() if name in SAMPLED_NAMES]
+    sampled = input_names(jet)
+    places, faulty = find_columns(table, dict.fromkeys((*FEATURE_NAMES, *sampled)))
+    problems = [line for name, line in faulty.items() if name in sampled]
     values, taken = {}, [place.column for place in places.values()]
-    for name in SAMPLED_NAMES:
+    for name in sampled:
         if name in places:
             values[name], lines = column_values(table, name, places[name])
             problems += lines
@@ -161,15 +164,15 @@ def _values(table: UserTable, given: Given) -> dict[str, np.ndarray]:
                 problems.append(
                     f"{name} is on the command line and in column {column!r}; give it once"
                 )
-    lacking = [name for name in SAMPLED_NAMES if name not in places and name not in faulty]
-    if len(lacking) == len(SAMPLED_NAMES):
+    lacking = [name for name in sampled if name not in places and name not in faulty]
+    if len(lacking) == len(sampled):
         problems.append(
             f"has no column with a known quantity (columns {', '.join(table.frame.columns)}; "
-            f"known are {', '.join(SAMPLED_NAMES)})"
+            f"known are {', '.join(sampled)})"
         )
     for name in lacking:
         similar = similar_columns(table, name, taken)
-        if name not in given.values or len(lacking) == len(SAMPLED_NAMES):
+        if name not in given.values or len(lacking) == len(sampled):
             continue
         where = f"{name} would be taken from the {_origin(given, name)}"
         contrary = [one for one in FROM_DERIVED.get(name, ()) if one in places]
@@ -190,7 +193,7 @@ def _values(table: UserTable, given: Given) -> dict[str, np.ndarray]:
         problems.append(f"missing: {', '.join(missing)}")
     if problems:
         raise TableError("\n".join(f"{table.path}: {line}" for line in problems))
-    _say(table, places, taken)
+    _say(table, {name: place for name, place in places.items() if name in sampled}, taken)
     filled = [
         f"{value_text(name, given.values[name])} ({_origin(given, name)})" for name in lacking
     ]
@@ -199,9 +202,8 @@ def _values(table: UserTable, given: Given) -> dict[str, np.ndarray]:
     return values
 
 
-def _say(table: UserTable, places, taken: list[str]) -> None:
+def _say(table: UserTable, sampled: Mapping, taken: list[str]) -> None:
     """Say which columns were read as something else than their name, and which were not used."""
-    sampled = {name: place for name, place in places.items() if name in SAMPLED_NAMES}
     if renamed := read_as(sampled):
         print(f"{table.path}: read {renamed}", file=sys.stderr)
     if "particle_radius" in sampled and "size" in normal(sampled["particle_radius"].column):

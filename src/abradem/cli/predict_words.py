@@ -6,8 +6,10 @@ import sys
 from collections.abc import Iterable
 
 from abradem.learning.number_text import number_or_words
+from abradem.quantities import GEOMETRY_UNITS
+from abradem.surrogate.geometry_groups import numbers_of, sampled_names
 from abradem.surrogate.model import Prediction, Surrogate, highest_level
-from abradem.words.wear import wear_words
+from abradem.words.wear import place_of
 
 NO_END = "any number of"
 
@@ -35,7 +37,7 @@ def level_text(confidence: float, surrogate: Surrogate, name: str | None = None)
 def place_words(surrogate: Surrogate, name: str | None = None) -> str:
     """Return of what place of the plate a rate of a surrogate is, by default its target."""
     target = surrogate.model(name).target
-    return wear_words(target["name"], target.get("element_size"), target.get("known", True))
+    return place_of(target)
 
 
 def depth_words(surrogate: Surrogate, name: str | None = None) -> str:
@@ -45,6 +47,14 @@ def depth_words(surrogate: Surrogate, name: str | None = None) -> str:
     if target["name"].endswith("_max") or not target.get("known", True):
         return words
     return f"{words}; single places are worn deeper"
+
+
+def fixed_words(surrogate: Surrogate, names: Iterable[str]) -> str:
+    """Return that numbers of a geometry are fixed in the study of a surrogate, in words."""
+    numbers = numbers_of(surrogate.jet.geometry)
+    listed = ", ".join(f"{name} at {numbers[name]:g} {GEOMETRY_UNITS[name]}" for name in names)
+    varied = ", ".join(sampled_names(surrogate.jet.geometry)) or "none"
+    return f"fixed in the study of this surrogate: {listed} (allowed of its geometry: {varied})"
 
 
 def warn(lines: Iterable[str]) -> None:

@@ -14,10 +14,13 @@ from abradem.cli.case_input import (
     headline,
     load_kernels,
     middle_of_ranges,
+    own_geometry,
     patch_words,
     progress_line,
     read_setup,
     say_origins,
+    unused_values,
+    with_given_numbers,
 )
 from abradem.cli.given_values import Given, given_values, impossible_values
 from abradem.surrogate.model import PredictionError
@@ -89,6 +92,13 @@ def add_simulate(commands) -> None:
         metavar="S",
         help="simulated seconds between snapshots; default: that of the study",
     )
+    parser.add_argument(
+        "--threads",
+        type=_threads,
+        metavar="N",
+        help="threads that share a crowd of particles, 1 to 64; the result does not depend on "
+        "them; default: simulation.threads of the configuration",
+    )
     parser.set_defaults(run=run_simulate)
 
 
@@ -100,6 +110,20 @@ def _positive(text: str) -> float:
     if not (value > 0.0 and math.isfinite(value)):
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
     return value
+
+
+def _threads(text: str) -> int:
+    from abradem.dem.model import MOST_THREADS
+
+    try:
+        number = int(text)
+    except ValueError:
+        number = 0
+    if not 1 <= number <= MOST_THREADS:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a number of threads (allowed 1 ... {MOST_THREADS})"
+        )
+    return number
 
 
 def run_simulate(options: argparse.Namespace) -> int:
@@ -156,12 +180,15 @@ def _scene_problems(options: argparse.Namespace, setup: dict) -> list[str]:
 def _own_case(options: argparse.Namespace, problems: list[str]) -> int:
     """Simulate the case that the options describe."""
     given = Given({}, {})
+    of_setup: list[str] = []
+    own = read_setup(options, of_setup)
     try:
-        given = given_values(options.values, options.material)
+        given = given_values(options.values, options.material, own_geometry(own))
     except PredictionError as error:
         problems += str(error).splitlines()
-    own = read_setup(options, problems)
+    problems += of_setup
     problems += impossible_values(given.values)
+    problems += unused_values(own, given.values)
     problems += _scene_problems(options, own.setup) if own is not None else []
     if problems or own is None:
         raise InputError("\n".join(problems))
@@ -170,6 +197,7 @@ def _own_case(options: argparse.Namespace, problems: list[str]) -> int:
     from abradem.dem.model import Setup
     from abradem.sampling.checks import check_case
 
+    own = with_given_numbers(own, given.values)
     filled = middle_of_ranges(own, given.values)
     values = {**given.values, **filled}
     try:
@@ -178,7 +206,7 @@ def _own_case(options: argparse.Namespace, problems: list[str]) -> int:
         reason = str(error)
     if reason:
         raise InputError(f"this case cannot be simulated: {reason}")
-    surrogate = surrogate_beside(options.model, own)
+    surrogate = surrogate_beside(options.model, own, values)
     say_origins(given, own, filled)
     row = {"case_id": 0, "block": 0, "seed": own.seed, "rejected": "", **values}
     rates = _simulated(row, own.setup, own.config, options, "")
@@ -212,6 +240,7 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
     from abradem.wear.rates import wear_rates
 
     progress, clear = None, lambda: None
+    threads = options.threads or config.threads
     if not row["rejected"]:
         if setup.get("geometry"):
             from abradem.geometry.build import factory_of
@@ -221,16 +250,12 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
             except ValueError as error:
                 raise InputError(f"this case cannot be simulated: {error}") from None
             print(patch_words(factory), file=sys.stderr)
-            print(
-                "the engine is compiled at the first use of a geometry: a minute or more",
-                file=sys.stderr,
-                flush=True,
-            )
-        else:
-            load_kernels(setup["stepping"])
+        load_kernels(setup)
+        if threads > 1 and not setup.get("geometry"):
+            load_kernels({**setup, "stepping": "parallel"})
         progress, clear = progress_line(setup)
     try:
-        tables = run_case(row, setup, progress)
+        tables = run_case(row, setup, progress, threads)
     finally:
         clear()
     cases = pd.DataFrame([row])
@@ -301,11 +326,11 @@ def _write_outputs(tables: dict, row: dict, setup: dict, config, options) -> Non
         else:
             write_map(tables, row, setup, target, path, numbered)
     if options.snapshots and not row["rejected"]:
-        from abradem.dem.model import Case, Setup
+        from abradem.dem.model import Setup
         from abradem.simulation.snapshots import write_snapshots
 
         interval = options.interval or config.simulation.export.interval_s
-        write_snapshots(Case.from_row(row), Setup.from_dict(setup), options.snapshots, interval)
+        write_snapshots(row, Setup.from_dict(setup), options.snapshots, interval)
 
 
 def find_case(study: Path, case: int) -> dict:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from abradem.cli.case_input import OwnSetup, headline
 from abradem.cli.predict_words import rate_text, warn
 from abradem.quantities import WEAR_COLUMNS, stderr_column
-from abradem.surrogate.groups import jet_of
+from abradem.surrogate.groups import input_names, jet_of
 from abradem.surrogate.model import PredictionError, Surrogate
 
 
@@ -18,6 +18,7 @@ class SurrogateBeside:
     def __init__(self, surrogate: Surrogate, stem: str, own: OwnSetup):
         self.surrogate, self.stem = surrogate, stem
         ours, theirs = jet_of(own.setup)._asdict(), surrogate.jet._asdict()
+        geometries = [jet.pop("geometry") for jet in (ours, theirs)]
         # The jet of a table from elsewhere may be a reference alone.
         self.jet_known = surrogate.description.get("jet_known", True)
         target = surrogate.description["target"]
@@ -30,6 +31,8 @@ class SurrogateBeside:
             for name in ours
             if ours[name] != theirs[name]
         ]
+        if geometries[0] != geometries[1]:
+            self.differences.append("another geometry")
 
     def say(self, values: Mapping[str, float], rates) -> None:
         """Print the predictions for a case beside its simulated rates, one line for each rate."""
@@ -42,7 +45,8 @@ class SurrogateBeside:
             warn([f"the surrogate was trained with another set-up: {', '.join(self.differences)}"])
         for name, prediction in found.items():
             line = f"surrogate {self.stem}: {rate_text(self.surrogate, name, prediction)}"
-            if name in rates:
+            # The rates of a simulation are those of the whole surface.
+            if name in rates and not self.surrogate.models[name].target.get("part"):
                 unit = self.surrogate.models[name].target["unit"]
                 line += (
                     f"; simulated {rates[name]:.4g} {unit}, standard error "
@@ -51,24 +55,48 @@ class SurrogateBeside:
             print(line)
 
 
-def surrogate_beside(model: str | None, own: OwnSetup) -> SurrogateBeside | None:
+def surrogate_beside(
+    model: str | None, own: OwnSetup, values: Mapping[str, float]
+) -> SurrogateBeside | None:
     """Return the surrogate that is given, or that of the study if it exists, or None.
-
-    A geometry has none: a surrogate knows the plate alone.
 
     Raises
     ------
     PredictionError
-        If a surrogate cannot be read, or is given for a geometry.
+        If a surrogate cannot be read, or is given for another kind of surface.
     """
-    if own.setup.get("geometry"):
-        if model is not None:
-            raise PredictionError(
-                f"--model {model}: a surrogate predicts the plate alone (allowed without a "
-                "geometry)"
-            )
-        return None
     stem = model or f"results/{own.config.study}/models/surrogate"
     if model is None and not Path(f"{stem}.json").is_file():
         return None
-    return SurrogateBeside(Surrogate.load(stem), stem, own)
+    surrogate = Surrogate.load(stem)
+    if model is None and _kind(surrogate.jet.geometry) != _kind(own.setup.get("geometry")):
+        return None
+    check_geometry(surrogate, stem, own, values)
+    return SurrogateBeside(surrogate, stem, own)
+
+
+def check_geometry(surrogate: Surrogate, stem: str, own: OwnSetup, values: Iterable[str]) -> None:
+    """Raise `PredictionError` if a surrogate predicts another kind of surface than that of a case.
+
+    Parameters
+    ----------
+    surrogate : Surrogate
+    stem : str
+        Its files, for the message.
+    own : OwnSetup
+    values : iterable of str
+        The quantities of the case.
+    """
+    theirs, ours = surrogate.jet.geometry, own.setup.get("geometry")
+    if _kind(theirs) != _kind(ours):
+        raise PredictionError(
+            f"{stem}: predicts the wear of a surface of kind {_kind(theirs)}, this case has "
+            f"{_kind(ours)} (allowed: the surrogate of a study of that kind)"
+        )
+    lacking = [name for name in input_names(surrogate.jet) if name not in values]
+    if lacking:
+        raise PredictionError(f"{stem}: the case has no {', '.join(lacking)}")
+
+
+def _kind(geometry: Mapping | None) -> str:
+    return "plate" if geometry is None else geometry.get("shape", geometry)["kind"]

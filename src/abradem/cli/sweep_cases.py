@@ -16,8 +16,11 @@ from abradem.cli.case_input import (
     headline,
     load_kernels,
     middle_of_ranges,
+    own_geometry,
     read_setup,
     say_origins,
+    unused_values,
+    with_given_numbers,
 )
 from abradem.cli.given_values import (
     Given,
@@ -84,24 +87,26 @@ def run_sweep(options: argparse.Namespace) -> int:
     problems = _option_problems(options)
     swept = Swept(Given({}, {}), {})
     level = None
+    of_setup: list[str] = []
+    own = read_setup(options, of_setup)
     try:
-        swept = swept_values(options.values, options.material)
+        swept = swept_values(options.values, options.material, own_geometry(own))
     except PredictionError as error:
         problems += str(error).splitlines()
     try:
         level = None if options.confidence is None else confidence_level(options.confidence)
     except PredictionError as error:
         problems.append(str(error))
-    own = read_setup(options, problems)
+    problems += of_setup
     problems += impossible_values({**swept.fixed.values, **swept.lists})
+    problems += unused_values(own, {**swept.fixed.values, **swept.lists})
     problems += _figure_problems(options, swept)
-    if options.surrogate and own is not None and own.setup.get("geometry"):
-        problems.append("--surrogate predicts the plate alone (allowed without a geometry)")
     if problems or own is None:
         raise InputError("\n".join(problems))
 
     from abradem.cases.sweep import combinations
 
+    own = with_given_numbers(own, [*swept.fixed.values, *swept.lists])
     filled = middle_of_ranges(own, {**swept.fixed.values, **swept.lists})
     values: dict[str, float | Sequence[float]] = {**swept.lists, **swept.fixed.values, **filled}
     try:
@@ -166,7 +171,7 @@ def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
     from abradem.quantities import stderr_column
 
     say_origins(swept.fixed, own, filled)
-    load_kernels(own.setup["stepping"])
+    load_kernels(own.setup)
     table = simulate_cases(
         cases, own.setup, own.seed, rate_options(own.config), options.cores, _counter(len(cases))
     )
@@ -190,9 +195,11 @@ def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
 def _predict(cases, swept: Swept, own: OwnSetup, filled: dict, level, options) -> int:
     from abradem.cases.sweep import predict_cases
     from abradem.cli.predict_words import place_words, warn
+    from abradem.cli.surrogate_beside import check_geometry
 
     stem = options.model or f"results/{own.config.study}/models/surrogate"
     surrogate = Surrogate.load(stem)
+    check_geometry(surrogate, stem, own, cases)
     say_origins(swept.fixed, own, filled)
     table, warnings = predict_cases(cases, surrogate, level)
     warn(warnings)

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from abradem.config.declaration import STATED, Config, Factory, PlateKeys
+from abradem.config.declaration import STATED, Config, Factory, PlateKeys, Stop
 from abradem.config.keys import Key
+from abradem.config.unused import unused
 from abradem.quantities import WEAR_MEASURES
 
 
@@ -26,17 +27,12 @@ def conflicts(config: Config) -> Iterator[tuple[Key, str]]:
     yield from _feed_conflicts(simulation.factory)
     yield from _size_conflicts(config)
 
+    yield from _part_conflicts(config)
     if simulation.geometry.kind == "plate":
         yield from _plate_conflicts(config)
     else:
         yield from _geometry_conflicts(config)
-
-    factory = simulation.factory
-    if factory.angle_acts == "arc" and factory.arc_radius_mm >= factory.fall_height_mm:
-        yield (
-            ("simulation", "factory", "arc_radius_mm"),
-            f"must be less than the fall height (allowed below {factory.fall_height_mm:g} mm)",
-        )
+    yield from unused(config)
 
     yield from _learning_conflicts(config)
 
@@ -103,6 +99,30 @@ def _plate_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             f"a particle must not be wider than the plate (allowed up to {shorter / 2.0:g} mm)",
         )
     yield from _element_conflicts(config)
+    factory = config.simulation.factory
+    if factory.angle_acts == "arc" and factory.arc_radius_mm >= factory.fall_height_mm:
+        yield (
+            ("simulation", "factory", "arc_radius_mm"),
+            f"must be less than the fall height (allowed below {factory.fall_height_mm:g} mm)",
+        )
+
+
+def _part_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
+    """Yield where the part that the models explain is not there."""
+    part, geometry = config.learning.part, config.simulation.geometry
+    if part is None:
+        return
+    above = ("learning", "part")
+    if geometry.kind == "plate" or config.dataset.external is not None:
+        yield above, "is for a simulated geometry (allowed null for a plate or a table)"
+    elif geometry.kind == "plates":
+        names = [
+            plate.get("name") or f"plate_{place}" for place, plate in enumerate(geometry.plates, 1)
+        ]
+        if part not in names:
+            yield above, f"there is no such plate (allowed {', '.join(names)})"
+    if config.learning.fresh_blocks:
+        yield ("learning", "fresh_blocks"), "knows no parts (allowed 0 with learning.part)"
 
 
 def _geometry_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
@@ -121,12 +141,12 @@ def _geometry_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             (*above, "screw", "shaft_radius_mm"),
             f"must be less than that of the flight (allowed below {_least(screw.radius_mm):g} mm)",
         )
-    if geometry.kind != "mesh" and geometry.moving:
-        yield (*above, "moving"), "is for kind: mesh (allowed [] here)"
     if not any(geometry.jet_direction):
         yield (*above, "jet_direction"), "must point somewhere (allowed such as [0, -1, 0])"
     if config.calibration.table is not None:
         yield (*above, "kind"), "a calibration knows the plate alone (allowed plate)"
+    if config.dataset.external is not None:
+        yield (*above, "kind"), "a table from elsewhere knows the plate alone (allowed plate)"
 
 
 def _least(value: float | tuple[float, float]) -> float:
@@ -180,6 +200,18 @@ def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             f"makes {config.jobs} simulation jobs (allowed up to {MOST_JOBS}; take more cases per "
             "job, or fewer and larger blocks)",
         )
+    if simulation.geometry.kind == "plate":
+        yield from _facet_conflicts(plate, stop)
+    least = stop.max_time_s / MOST_SAMPLES
+    if stop.sample_interval_s < least:
+        yield (
+            ("simulation", "stop", "sample_interval_s"),
+            f"gives more than {MOST_SAMPLES} samples in max_time_s (allowed from {least:g} s)",
+        )
+
+
+def _facet_conflicts(plate: PlateKeys, stop: Stop) -> Iterator[tuple[Key, str]]:
+    """Yield facets of the plate that would fill tables or memory."""
     facets = math.prod(
         math.ceil(side / plate.facet_size_mm) for side in (plate.length_mm, plate.width_mm)
     )
@@ -195,12 +227,6 @@ def _size_conflicts(config: Config) -> Iterator[tuple[Key, str]]:
             f"with {facets} facets, {maps:.0f} maps of a case would fill the memory; take larger "
             "facets, a longer window or a shorter max_time_s "
             f"(allowed {MOST_MAP_BYTES / 1e9:g} GB)",
-        )
-    least = stop.max_time_s / MOST_SAMPLES
-    if stop.sample_interval_s < least:
-        yield (
-            ("simulation", "stop", "sample_interval_s"),
-            f"gives more than {MOST_SAMPLES} samples in max_time_s (allowed from {least:g} s)",
         )
 
 

@@ -456,8 +456,9 @@ class GeometryKeys(Section):
     """What the particles wear: the plate, or another surface.
 
     With another surface, facet_size_mm, patch_length_mm, patch_width_mm and fall_height_mm keep
-    their meaning, and the factory angle none. Numbers of a chain, an arc and a screw may be ranges,
-    which are sampled.
+    their meaning, and the factory angle none, so it is held at 0, and so is the plate angle if no
+    plate of a chain takes it. Numbers of a chain, an arc and a screw may be ranges, which are
+    sampled.
     """
 
     kind: Literal["plate", "plates", "arc", "mesh", "screw"] = _key(
@@ -522,7 +523,7 @@ class Factory(Section):
         le=100_000.0,
     )
     fall_height_mm: float = _key(
-        385.0,
+        475.0,
         "Height of the centre of the patch above the centre of the plate at a factory angle of 0.",
         unit="mm",
         gt=0.0,
@@ -535,16 +536,25 @@ class Factory(Section):
         "is lower by arc_radius times 1 - cos(factory angle).",
     )
     arc_radius_mm: float = _key(
-        235.0, "Radius of the arc, for angle_acts: arc alone.", unit="mm", ge=0.0, le=100_000.0
+        310.0, "Radius of the arc, for angle_acts: arc alone.", unit="mm", ge=0.0, le=100_000.0
     )
     feed: Literal["mass", "number"] = _key(
         "mass", "Which rate is prescribed: mass per time or particles per time."
     )
     mass_rate_kg_s: float | None = _key(
-        42.0, "Mass rate for feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
+        45.0, "Mass rate for feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
     )
     number_rate_per_s: float | None = _key(
         None, "Particle rate for feed: number, otherwise null.", unit="1/s", gt=0.0, le=1e9
+    )
+    attempts: int = _key(
+        1, "Random places on the patch that are tried for a particle.", ge=1, le=10_000
+    )
+    unplaced: Literal["wait", "skip"] = _key(
+        "skip",
+        "What becomes of a particle that overlaps others at all places tried. wait: it is tried "
+        "again a little later, before those that follow. skip: it is left out, and its share of "
+        "the feed is lost.",
     )
 
 
@@ -643,6 +653,14 @@ class Simulation(Section):
         "Time stepping: islands skips the time in which nothing touches, synchronous steps every "
         "particle in every step. Both give bitwise equal results.",
     )
+    threads: int = _key(
+        1,
+        "Threads of one simulation, for a machine with more cores than jobs: they share the "
+        "particles of crowds. Results do not depend on it, and a change repeats nothing. Leave 1 "
+        "where the jobs of a study fill the cores; a geometry other than the plate always uses 1.",
+        ge=1,
+        le=64,
+    )
     time_step_rayleigh_fraction: float = _key(
         0.2,
         "Time step as a fraction of the Rayleigh time of the particle. With 0.15 an impact near "
@@ -689,7 +707,8 @@ class WearRate(Section):
 
     min_batches: int = _key(
         20,
-        "Smallest number of equal batches for a rate and its standard error.",
+        "Smallest number of equal batches for a rate and its standard error; twice as many "
+        "are used where the samples suffice.",
         ge=20,
         le=10_000,
     )
@@ -885,6 +904,13 @@ class Learning(Section):
 
     target: Literal[_TARGETS] = _key(  # type: ignore[valid-type]  # names of a table
         "wear_friction_p99", "Column of the data set to predict."
+    )
+    part: Text | None = _key(
+        None,
+        "Named part of simulation.geometry whose wear the models explain, such as a plate of a "
+        "chain or a solid of a mesh; null: the whole surface. The rates of a part have no standard "
+        "error.",
+        allowed="the name of a part or null",
     )
     test_share: float = _key(
         0.2, "Share of the cases held out as test set of each fit (leakage-free).", ge=0.05, le=0.9
@@ -1099,7 +1125,10 @@ class Calibration(Section):
 
 
 class Typical(Section):
-    """The representative case in figures: the middle of all ranges, except for these values."""
+    """The representative case in figures: the middle of all ranges, except for these values.
+
+    With a geometry a value outside its range gives way to the middle of the range.
+    """
 
     plate_angle: float = _key(35.0, "Plate angle.", unit="deg", ge=-90.0, le=90.0)
     factory_angle: float = _key(-30.0, "Factory angle.", unit="deg", ge=-90.0, le=90.0)
@@ -1139,7 +1168,7 @@ class Angles(Section):
 
 
 class Movie(Section):
-    """The movie of `snakemake movie`, with several plates side by side.
+    """The movie of `snakemake movie`, with several plates side by side, or a geometry.
 
     All other quantities are those of `figures.typical`.
     """
@@ -1263,3 +1292,8 @@ class Config(Section):
     def jobs(self) -> int:
         """Number of simulation jobs: the batches of all blocks."""
         return self.sampling.blocks * len(self.batches)
+
+    @property
+    def threads(self) -> int:
+        """Number of threads of a simulation job; with a geometry one, as the engine uses one."""
+        return self.simulation.threads if self.simulation.geometry.kind == "plate" else 1

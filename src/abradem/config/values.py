@@ -5,7 +5,8 @@ from __future__ import annotations
 import yaml
 
 from abradem.config.declaration import STATED, Config, to_si
-from abradem.config.geometry import geometry_dict
+from abradem.config.geometry import geometry_dict, geometry_ranges
+from abradem.config.unused import unused_quantities
 from abradem.quantities import SAMPLED
 
 
@@ -17,23 +18,44 @@ def to_yaml(config: Config) -> str:
 
 
 def sampled_ranges(config: Config) -> dict[str, list[float]]:
-    """Return {name: [lower, upper]} of the 14 sampled quantities in the units of tables (SI)."""
-    ranges = config.sampling.ranges
-    return {
+    """Return {name: [lower, upper]} of the 14 sampled quantities in the units of tables (SI).
+
+    A quantity that nothing depends on, as the plate angle beside a mesh, is held fixed: at the
+    number of the study, or at 0 instead of a range.
+    """
+    ranges, fixed = config.sampling.ranges, unused_quantities(config)
+    found = {
         row.name: [to_si(row, bound) for bound in getattr(ranges, row.config_key)]
         for row in SAMPLED
     }
+    for name in fixed:
+        if found[name][0] < found[name][1]:
+            found[name] = [0.0, 0.0]
+    return found
 
 
 def typical_case(config: Config) -> dict[str, float]:
-    """Return the arguments of `abradem.Case` for the representative case, SI units."""
-    middle = {name: (low + high) / 2.0 for name, (low, high) in sampled_ranges(config).items()}
+    """Return the quantities of the representative case and its seed, SI units.
+
+    They are those of the geometry too, where these are sampled. On a geometry, a quantity whose
+    value in ``figures.typical`` lies outside its range is in the middle of the range: the values
+    are chosen for the plate of the paper.
+    """
+    ranges = sampled_ranges(config)
     chosen = config.figures.typical
     given = {
         row.name: to_si(row, getattr(chosen, row.config_key))
         for row in SAMPLED
         if hasattr(chosen, row.config_key)
     }
+    if config.simulation.geometry.kind != "plate":
+        given = {
+            name: value
+            for name, value in given.items()
+            if ranges[name][0] <= value <= ranges[name][1]
+        }
+        ranges |= geometry_ranges(config)
+    middle = {name: (low + high) / 2.0 for name, (low, high) in ranges.items()}
     return {**middle, **given, "seed": config.seed}
 
 
@@ -66,6 +88,7 @@ def target_dict(config: Config) -> dict:
         "element_size": size / 1000.0 if simulated and not cells else None,
         "known": simulated or config.dataset.rate == STATED,
         "cells": cells,
+        "part": config.learning.part,
     }
 
 
@@ -90,10 +113,13 @@ def setup_dict(config: Config) -> dict:
         "patch_length": factory.patch_length_mm / 1000.0,
         "patch_width": factory.patch_width_mm / 1000.0,
         "fall_height": factory.fall_height_mm / 1000.0,
-        "angle_acts": factory.angle_acts,
-        "arc_radius": factory.arc_radius_mm / 1000.0,
+        # The factory of a geometry does not swing.
+        "angle_acts": factory.angle_acts if geometry is None else "level",
+        "arc_radius": factory.arc_radius_mm / 1000.0 if geometry is None else 0.0,
         "mass_rate": factory.mass_rate_kg_s,
         "number_rate": factory.number_rate_per_s,
+        "attempts": factory.attempts,
+        "unplaced": factory.unplaced,
         "removal_depth": simulation.removal_depth_mm / 1000.0,
         "gravity": simulation.gravity,
         "contact": simulation.contact.model_dump(),

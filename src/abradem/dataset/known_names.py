@@ -10,7 +10,7 @@ import difflib
 import re
 from collections.abc import Iterable
 
-from abradem.quantities import TARGET, quantity
+from abradem.quantities import GEOMETRY_UNITS, TARGET, quantity
 
 PUBLISHED_NAMES = {
     "particle_youngs_modulus": "Young's Modulus (Material)",
@@ -53,6 +53,9 @@ MAY_MEAN = {
 }
 """What may be meant by names that are not known; they are asked back, never taken."""
 
+GEOMETRY_KEYS = {"m": "{}_mm", "deg": "{}_deg", "m/s": "{}_m_s", "rev/min": "{}_rev_per_min"}
+"""Names of the quantities of a geometry with their unit, as in the configuration."""
+
 _ALIKE = 0.8
 """Similarity of two names (Ratcliff and Obershelp) from which one may be meant by the other."""
 
@@ -83,6 +86,9 @@ def names_of(name: str) -> dict[str, str | None]:
         row = quantity(name)
         if row.config_suffix:
             names[normal(row.config_key)] = row.config_unit
+    if name in GEOMETRY_UNITS:
+        key = GEOMETRY_KEYS[GEOMETRY_UNITS[name]].format(name.removesuffix("_revolutions"))
+        names[key] = quantity(name).config_unit
     return names
 
 

@@ -20,6 +20,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from abradem.quantities import GEOMETRY_GROUPS, GEOMETRY_UNITS
+
 VARIED, HELD_FIXED, NOT_IDENTIFIED = "varied", "held fixed", "not identified"
 
 SAME = 1e-6
@@ -36,6 +38,11 @@ SCALES: Mapping[str, float] = {
     "particle_velocity_y": 0.1,
     "damping_ratio": 0.1,
     "damping_coefficient": 1e-6,
+    **{
+        name: {"m": 1e-3, "deg": 1.0, "m/s": 0.1, "rev/min": 1.0}[unit]
+        for name, unit in GEOMETRY_UNITS.items()
+        if not GEOMETRY_GROUPS[name].startswith("log_")
+    },
 }
 """Smallest magnitude to which a difference is related, in the unit of the quantity, for those
 that may be zero: 1e-17 deg and 0 deg are the same angle."""

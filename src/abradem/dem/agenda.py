@@ -22,6 +22,9 @@ CROWD, THIN = 0.28, 0.2
 """Shares of the particles that touch something, above which `synchronous` takes over and up to
 which it hands back. What is faster changes between these shares, see docs/notes/performance.md."""
 
+SOONER = 1.5
+"""Power of the number of threads with which these shares fall."""
+
 FEW, TALL = 256, 4.0
 """Room for particles up to which cells are taller than wide, by this factor: a thin jet then falls
 through fewer cells, and few particles are in each."""
@@ -29,21 +32,26 @@ through fewer cells, and few particles are in each."""
 RING = 4096
 """Number of slots of the queue, a power of two. Slot ``step % RING`` lists who is due at a step."""
 
-# Plan of one particle. Lists are linked in both directions by index; -1 ends them.
+# Plan of one particle. Lists are linked in both directions by index, that of a cell forwards in
+# `Agenda.cell_next`; -1 ends them.
 PLAN = np.dtype(
     [
         ("awake", np.int64),
-        # Speed that an awake particle is assumed not to exceed, m/s, and the square of the
-        # distance that it covers in a step at this speed, m2.
-        ("pace", np.float64),
-        ("stride2", np.float64),
-        # Row: number of partners, first step at which the row needs attention, and last step for
-        # which it is complete (-1: there is no row).
-        ("row_size", np.int64),
+        # Row: first step at which it needs attention, and last step for which it is complete
+        # (-1: there is no row).
         ("row_next", np.int64),
         ("row_until", np.int64),
+        # Course of an awake particle, m/s, and the square of the distance by which it may stray
+        # from it in a step, m2.
+        ("course_x", np.float64),
+        ("course_y", np.float64),
+        ("course_z", np.float64),
+        ("stray2", np.float64),
         # Relative speed of the contacts that began in this step, m/s.
         ("impact", np.float64),
+        # Speed by which its velocity may differ from the course, m/s, and size of the row.
+        ("stray", np.float64),
+        ("row_size", np.int64),
         # Flying particle: first step at which it can touch the plate or fall below the removal
         # level, at which it can touch a flying one, at which it has left its cell, and the
         # earliest of these.
@@ -51,10 +59,14 @@ PLAN = np.dtype(
         ("plate_due", np.int64),
         ("meet_due", np.int64),
         ("leave_due", np.int64),
+        # The flying particle that it can touch at ``meet_due`` (-1: unknown), the step at which
+        # this was found, and the first step at which it can touch any other.
+        ("meet_with", np.int64),
+        ("meet_found", np.int64),
+        ("meet_next", np.int64),
         ("queue_next", np.int64),
         ("queue_previous", np.int64),
         ("cell", np.int64),
-        ("cell_next", np.int64),
         ("cell_previous", np.int64),
     ]
 )
@@ -76,6 +88,8 @@ CLOCK = np.dtype(
         ("crowded", np.int64),
         ("crowd", np.float64),
         ("thin", np.float64),
+        # Number of threads that step a crowd.
+        ("threads", np.int64),
     ]
 )
 
@@ -98,6 +112,9 @@ class Agenda(NamedTuple):
         First sleeping particle of each slot of the queue.
     cells : ndarray of int, shape (cells,)
         First particle of each cell.
+    cell_next : ndarray of int, shape (capacity,)
+        Next particle in the cell of each particle, apart from the plans: lists of neighbours read
+        it alone, and it fits into the fastest cache.
     lists : ndarray of int, shape (3, capacity)
         Working memory: lists of particles.
     begun : ndarray of int, shape (8 capacity,)
@@ -110,25 +127,32 @@ class Agenda(NamedTuple):
     rows: np.ndarray
     queue: np.ndarray
     cells: np.ndarray
+    cell_next: np.ndarray
     lists: np.ndarray
     begun: np.ndarray
 
 
-def make_agenda(problem: Problem, capacity: int) -> Agenda:
-    """Return an empty agenda with room for ``capacity`` particles."""
+def make_agenda(problem: Problem, capacity: int, threads: int = 1) -> Agenda:
+    """Return an empty agenda with room for ``capacity`` particles.
+
+    The more threads there are, the sooner they take over from `islands`.
+    """
     agenda = Agenda(
         clock=np.zeros(1, CLOCK),
         plans=np.zeros(capacity, PLAN),
         awake=np.zeros(capacity, np.int64),
         rows=np.zeros((capacity, SLOTS), NEAR),
         queue=np.full(RING, -1),
-        cells=np.full(8 ** _bits(capacity), -1),
+        cells=np.full(8 ** _bits(capacity), -1, np.int32),
+        cell_next=np.zeros(capacity, np.int32),
         lists=np.zeros((3, capacity), np.int64),
         begun=np.zeros(8 * capacity, np.int64),
     )
     agenda.clock["bits"] = _bits(capacity)
     agenda.clock["tall"] = TALL if capacity <= FEW else 1.0
-    agenda.clock["crowd"], agenda.clock["thin"] = CROWD, THIN
+    agenda.clock["crowd"] = CROWD / threads**SOONER
+    agenda.clock["thin"] = THIN / threads**SOONER
+    agenda.clock["threads"] = threads
     return agenda
 
 
@@ -162,6 +186,7 @@ def borrowed_agenda(agenda):
         borrowed(agenda.rows),
         borrowed(agenda.queue),
         borrowed(agenda.cells),
+        borrowed(agenda.cell_next),
         borrowed(agenda.lists),
         borrowed(agenda.begun),
     )

@@ -59,6 +59,8 @@ def _borrowed_mesh(mesh):
             borrowed(mesh.sums),
             borrowed(mesh.hits),
             borrowed(mesh.walls),
+            borrowed(mesh.open_walls),
+            borrowed(mesh.spots),
         )
 
     return with_arrays

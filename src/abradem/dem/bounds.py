@@ -101,25 +101,29 @@ def time_to_meet(reach2, p, u, distance2):
     Both have the same acceleration, so the relative motion is a straight line: p + u t.
     """
     nearing = -dot(p, u)
-    if nearing <= 0.0:
-        return np.inf
     gap2 = max(distance2 - reach2, 0.0)
     discriminant = nearing * nearing - dot(u, u) * gap2
-    if discriminant < 0.0:
+    # One branch, which is nearly always taken: most particles pass each other.
+    if not (nearing > 0.0) & (discriminant >= 0.0):
         return np.inf
     return gap2 / (nearing + math.sqrt(discriminant))
 
 
 @kernel(inline=True)
-def time_to_reach(reach, p, u, distance2, pace):
+def time_to_reach(reach, p, u, distance2, growth, horizon):
     """Lower bound of the time until p + u t is within a sphere that grows, s, or infinity.
 
-    The radius of the sphere around the origin is ``reach + pace t``, which is the first root of a
-    quadratic equation.
+    The radius of the sphere around the origin is ``reach + growth t``, so the time is the first
+    root of a quadratic equation. It may be infinite if it is beyond the horizon.
     """
     gap2 = max(distance2 - reach * reach, 0.0)
-    nearing = reach * pace - dot(p, u)
-    discriminant = nearing * nearing - (dot(u, u) - pace * pace) * gap2
+    nearing = reach * growth - dot(p, u)
+    faster = growth * growth - dot(u, u)
+    # Most particles are too far away, which takes no root: the difference of the squares of
+    # distance and radius is gap2 - 2 nearing t - faster t^2.
+    if gap2 > horizon * (2.0 * max(nearing, 0.0) + horizon * max(faster, 0.0)):
+        return np.inf
+    discriminant = nearing * nearing + faster * gap2
     if discriminant < 0.0:
         return np.inf
     speed = nearing + math.sqrt(discriminant)

@@ -50,9 +50,29 @@ def cache_folder() -> Path:
         return _private_folder() / name
 
 
-def is_compiled(stepping: str) -> bool:
-    """Whether the kernels of a stepping are in the cache of this version of the engine."""
-    return any(cache_folder().glob(f"**/{stepping}.advance-*.nbi"))
+def is_compiled(stepping: str, on_surface: bool = False) -> bool:
+    """Whether the kernels of a stepping are in the cache of this version of the engine.
+
+    Those for a surface are compiled apart. Numba's index of a kernel holds the types of its
+    arguments, and of a surface that is a `mesh.Mesh`.
+    """
+    found = cache_folder().glob(f"**/{stepping}.advance-*.nbi")
+    return any(not on_surface or b"abradem.dem.mesh" in path.read_bytes() for path in found)
+
+
+def compiling_words(on_surface: bool = False) -> str:
+    """How often and how long the kernels are compiled, as text."""
+    least = "two minutes" if on_surface else "half a minute"
+    return f"once for this version of it on this machine: {least} or more"
+
+
+@contextlib.contextmanager
+def compiling():
+    """Context in which one process at a time compiles; others wait, and then find it done."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            _lock(stack.enter_context(open(cache_folder() / "compiling", "ab")))
+        yield
 
 
 def _user_folder() -> Path:
@@ -82,11 +102,12 @@ def _private_folder() -> Path:
     return folder
 
 
-def kernel(function=None, *, inline: bool = False):
+def kernel(function=None, *, inline: bool = False, nogil: bool = False):
     """Compile ``function`` with numba and cache its machine code in `cache_folder`.
 
     With ``inline`` the function is inlined into its callers: a call that passes the state of a
-    simulation, dozens of arrays, costs more than most steps of a particle.
+    simulation, dozens of arrays, costs more than most steps of a particle. With ``nogil`` other
+    threads of Python run while it does.
 
     numba chooses the folder when a function is decorated, so its setting is changed only during
     the decoration. Division by zero follows IEEE 754, as in numpy.
@@ -99,7 +120,7 @@ def kernel(function=None, *, inline: bool = False):
         `abradem.dem.before_numba`.
     """
     if function is None:
-        return functools.partial(kernel, inline=inline)
+        return functools.partial(kernel, inline=inline, nogil=nogil)
     import numba
 
     if numba.config.DISABLE_JIT:
@@ -110,7 +131,9 @@ def kernel(function=None, *, inline: bool = False):
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:
-        compiled = numba.njit(cache=True, error_model="numpy", forceinline=inline)(function)
+        compiled = numba.njit(cache=True, error_model="numpy", forceinline=inline, nogil=nogil)(
+            function
+        )
     finally:
         numba.config.CACHE_DIR = before
     _make_robust(compiled)

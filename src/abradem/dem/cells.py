@@ -16,7 +16,7 @@ from abradem.dem.agenda import NEIGHBOURS
 from abradem.dem.bounds import SAFETY, first_time_beyond
 from abradem.dem.cache import kernel
 
-SLACK = 0.25
+SLACK = 0.1
 """Distance by which a particle may leave its cell, in radii."""
 
 
@@ -31,7 +31,8 @@ def enter_cell(agenda, i, cell):
     """Enter particle i, which is in no cell, in a cell."""
     plan = agenda.plans[i]
     first = agenda.cells[cell]
-    plan.cell, plan.cell_next, plan.cell_previous = cell, first, -1
+    plan.cell, plan.cell_previous = cell, -1
+    agenda.cell_next[i] = first
     if first >= 0:
         agenda.plans[first].cell_previous = i
     agenda.cells[cell] = i
@@ -41,12 +42,13 @@ def enter_cell(agenda, i, cell):
 def leave_cell(agenda, i):
     """Remove particle i from its cell."""
     plan = agenda.plans[i]
+    behind = agenda.cell_next[i]
     if plan.cell_previous >= 0:
-        agenda.plans[plan.cell_previous].cell_next = plan.cell_next
+        agenda.cell_next[plan.cell_previous] = behind
     else:
-        agenda.cells[plan.cell] = plan.cell_next
-    if plan.cell_next >= 0:
-        agenda.plans[plan.cell_next].cell_previous = plan.cell_previous
+        agenda.cells[plan.cell] = behind
+    if behind >= 0:
+        agenda.plans[behind].cell_previous = plan.cell_previous
 
 
 @kernel(inline=True)
@@ -127,9 +129,9 @@ def list_neighbours(agenda, cell, old):
                 y = (cy + dy) & mask
                 if same_xz and ((y - oy) & mask) < 3:
                     continue
-                j = agenda.cells[column | y]
+                j = np.int64(agenda.cells[column | y])
                 while j >= 0:
                     agenda.lists[NEIGHBOURS, size] = j
                     size += 1
-                    j = agenda.plans[j].cell_next
+                    j = np.int64(agenda.cell_next[j])
     return size

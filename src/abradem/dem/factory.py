@@ -1,8 +1,9 @@
 """Release of particles: from the factory patch at a given rate, or from a given schedule.
 
 The k-th particle, counted from 0, is due at (k + 1/2) / rate. Random positions on the patch are
-drawn until the particle overlaps nothing. A particle for which no free position is found waits
-and is tried again, in the order of release, so a crowded patch delivers less.
+drawn until the particle overlaps nothing. A particle for which no free position is found in the
+given number of attempts waits and is tried again, in the order of release, or it is left out. So
+a crowded patch delivers less.
 """
 
 from __future__ import annotations
@@ -28,9 +29,6 @@ from abradem.dem.state import (
     flying_place,
     kinetic_energy_of,
 )
-
-TRIES = 100
-"""Number of random positions that are tried for a particle before it waits."""
 
 
 @kernel
@@ -143,13 +141,14 @@ def _release_from_patch(problem, state, agenda):
                 near[near_count] = j
                 near_count += 1
 
-    while release_step(problem, tally.placed) <= tally.step:
+    while release_step(problem, tally.placed + tally.skipped) <= tally.step:
         if tally.live == particles.size:
             return NEEDS_ROOM
+        due = tally.placed + tally.skipped
         placed = False
-        for _ in range(TRIES):
-            u = uniform(problem.seed, tally.placed, tally.draws)
-            v = uniform(problem.seed, tally.placed, tally.draws + 1)
+        for _ in range(problem.attempts):
+            u = uniform(problem.seed, due, tally.draws)
+            v = uniform(problem.seed, due, tally.draws + 1)
             tally.draws += 2
             along = problem.patch_half_length * (2.0 * u - 1.0)
             across = problem.patch_half_width * (2.0 * v - 1.0)
@@ -169,10 +168,13 @@ def _release_from_patch(problem, state, agenda):
                 _place(problem, state, agenda, (x, y, z), velocity, (0.0, 0.0, 0.0))
                 placed = True
                 break
-        if not placed:
+        if not placed and problem.skips:
+            tally.skipped += 1
+            tally.draws = 0
+        elif not placed:
             tally.next_release = tally.step + problem.retry_steps
             return DONE
-    tally.next_release = release_step(problem, tally.placed)
+    tally.next_release = release_step(problem, tally.placed + tally.skipped)
     return DONE
 
 

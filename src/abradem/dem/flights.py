@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from abradem.dem.agenda import LANDED, NEIGHBOURS, NEVER, enqueue
 from abradem.dem.bounds import (
     SAFETY,
@@ -31,16 +33,16 @@ def plan_plate(problem, state, agenda, i, now):
     particle = state.particles[i]
     x, y, z = flying_place(problem, particle, now)
     vx, vy, vz = particle.vx, fall_speed(problem, particle, now), particle.vz
-    time = _time_to_walls(problem, state.mesh, now, x, y, z, vx, vy, vz)
+    time = _time_to_walls(problem, state.mesh, i, now, x, y, z, vx, vy, vz)
     agenda.plans[i].plate_due = max(due_step(problem, now, time), now + 1)
 
 
 @kernel(inline=True)
-def _time_to_walls(problem, mesh, now, x, y, z, vx, vy, vz):
-    """Lower bound of the time until a flying particle touches a wall or is removed, s."""
+def _time_to_walls(problem, mesh, i, now, x, y, z, vx, vy, vz):
+    """Lower bound of the time until flying particle i touches a wall or is removed, s."""
     if mesh is not None:
         until = time_in_box(problem, problem.box, x, y, z, vx, vy, vz)
-        return time_to_surface(problem, mesh, now, until, x, y, z, vx, vy, vz)
+        return time_to_surface(problem, mesh, i, now, until, x, y, z, vx, vy, vz)
     drop = max(y - problem.removal_height, 0.0)
     until = first_time_within(drop, vy, -problem.gravity, 0.0, 0.0)
     plate = time_to_plate(problem, x, y, z, vx, vy, vz)
@@ -65,9 +67,12 @@ def plan_pairs(problem, state, agenda, i, now):
     radius, gravity, dt = problem.radius, problem.gravity, problem.dt
     x, y, z = flying_place(problem, particle, now)
     vx, vy, vz = particle.vx, fall_speed(problem, particle, now), particle.vz
-    old, meets = plan.cell, plan.meet_due
+    old = plan.cell
     if plan.meet_due <= now:
-        old, meets = -1, NEVER
+        old, plan.meet_with = -1, -1
+        plan.meet_due = plan.meet_next = NEVER
+    # The two earliest meetings.
+    first, second, partner = np.inf, np.inf, -1
     change_cell(problem, agenda, i, x, y, z)
     tall = agenda.clock[0].tall
     leaves = due_step(problem, now, time_to_leave(problem, tall, x, y, z, vx, vy, vz))
@@ -87,20 +92,52 @@ def plan_pairs(problem, state, agenda, i, now):
             if distance2 < contact2:
                 agenda.lists[NEIGHBOURS, touched] = j
                 touched += 1
-                meets = now
             else:
                 meet = time_to_meet(reach * reach, apart, speed, distance2)
-                meets = min(meets, due_step(problem, now, meet))
+                if meet < second:
+                    if meet < first:
+                        first, second, partner = meet, first, j
+                    else:
+                        second = meet
         elif agenda.plans[j].row_until >= now:
             apart = (x - b.x, y - b.y, z - b.z)
             distance2 = dot(apart, apart)
-            left = dt * (agenda.plans[j].row_until - now)
-            bent = agenda.plans[j].pace + 0.5 * gravity * left
-            meet = time_to_reach(reach, apart, (vx, vy, vz), distance2, bent)
-            note_in_row(agenda, j, i, due_step(problem, now, meet))
-    plan.meet_due = max(meets, now + 1)
+            course = agenda.plans[j]
+            left = dt * (course.row_until - now)
+            growth = course.stray + 0.5 * gravity * left
+            speed = (vx - course.course_x, vy - course.course_y, vz - course.course_z)
+            meet = time_to_reach(reach, apart, speed, distance2, growth, left)
+            if meet < np.inf:
+                note_in_row(agenda, j, i, due_step(problem, now, meet))
+    if touched > 0:
+        plan.meet_due, plan.meet_with = now + 1, -1
+    elif first < np.inf:
+        _note_meetings(problem, plan, now, first, second, partner)
     plan.leave_due = max(leaves, now + 1)
     return touched
+
+
+@kernel(inline=True)
+def _note_meetings(problem, plan, now, first, second, partner):
+    """Note the two earliest meetings, in seconds from step ``now``, beside those known before."""
+    due = max(due_step(problem, now, first), now + 1)
+    if due < plan.meet_due:
+        plan.meet_next = min(plan.meet_due, due_step(problem, now, second))
+        plan.meet_due, plan.meet_with, plan.meet_found = due, partner, now
+    else:
+        plan.meet_next = min(plan.meet_next, due)
+
+
+@kernel(inline=True)
+def forget_meeting(state, plan, now):
+    """Pass over a meeting that is due if the other particle has changed its flight since.
+
+    Such a meeting is in the plan or the row of the other particle.
+    """
+    if plan.meet_due <= now and plan.meet_with >= 0:
+        other = state.particles[plan.meet_with]
+        if other.motion != FLYING or other.anchor_step > plan.meet_found:
+            plan.meet_due, plan.meet_with = plan.meet_next, -1
 
 
 @kernel

@@ -92,13 +92,33 @@ def single_impact(
     ValueError
         If an argument is out of range, or if the sphere does not leave the plane again.
     """
+    if not 0.0 <= phase < 1.0:
+        raise ValueError(f"phase = {phase!r} is outside [0, 1)")
+    return _impacts(
+        particle, radius, plate, interaction, speed, angle_deg, time_step, spin, gravity, contact,
+        (phase,),
+    )[0]  # fmt: skip
+
+
+def _impacts(
+    particle,
+    radius,
+    plate,
+    interaction,
+    speed,
+    angle_deg,
+    time_step,
+    spin,
+    gravity,
+    contact,
+    phases,
+) -> list[Impact]:
+    """Simulate impacts that differ in their phase alone, see `single_impact`."""
     if not 0.0 <= angle_deg < 90.0:
         raise ValueError(f"angle_deg = {angle_deg!r} is outside [0, 90)")
     for name, value in (("radius", radius), ("speed", speed)):
         if not (math.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} must be finite and positive, got {value!r}")
-    if not 0.0 <= phase < 1.0:
-        raise ValueError(f"phase = {phase!r} is outside [0, 1)")
     angle = math.radians(angle_deg)
     approach = speed * math.cos(angle)
     contact = ContactModel() if contact is None else contact
@@ -119,7 +139,7 @@ def single_impact(
         particle_velocity_y=-approach,
     )
 
-    def problem_of(dt, start):
+    def problem_of(dt):
         setup = Setup(
             plate_length=2 * _PLANE,
             plate_width=2 * _PLANE,
@@ -130,16 +150,25 @@ def single_impact(
             time_step=dt,
         )
         velocity = (speed * math.sin(angle), -approach, 0.0)
-        releases = ([0.0], [(0.0, start, 0.0)], [velocity], [tuple(spin)])
+        releases = ([0.0], [(0.0, radius, 0.0)], [velocity], [tuple(spin)])
         return make_problem(case, setup, releases)
 
     if time_step is None:
-        probe, _ = problem_of(1.0, radius)
+        probe, _ = problem_of(1.0)
         time_step = hertz_duration(probe.plate_law.kn, probe.mass, approach) / CONVERGED_STEPS
     elif not (math.isfinite(time_step) and time_step > 0.0):
         raise ValueError(f"time_step must be finite and positive, got {time_step!r}")
-    # The surfaces meet after the fraction 1 - phase of the first step.
-    problem, schedule = problem_of(time_step, radius + (1.0 - phase) * approach * time_step)
+    problem, schedule = problem_of(time_step)
+    found = []
+    for phase in phases:
+        # The surfaces meet after the fraction 1 - phase of the first step.
+        schedule.position[0, 1] = radius + (1.0 - phase) * approach * time_step
+        found.append(_outcome(problem, schedule, interaction.static_friction))
+    return found
+
+
+def _outcome(problem, schedule, static_friction: float) -> Impact:
+    """Simulate the impact of the one particle of a schedule."""
     state = make_state(problem, 1)
     ended, contact_time, overlap, force = _impact(problem, schedule, state, _MOST_STEPS)
     if not ended:
@@ -154,7 +183,7 @@ def single_impact(
         max_normal_force=force,
         total=float(tally["worn_total"]),
         sliding=float(tally["worn_sliding"]),
-        friction_work=float(tally["worn_friction"]) * interaction.static_friction,
+        friction_work=float(tally["worn_friction"]) * static_friction,
         time_step=problem.dt,
     )
 
@@ -190,14 +219,14 @@ def step_bias(
         If the particle overlaps the plate by more than 20 % of its radius.
     """
 
-    def impact(step, phase):
-        return single_impact(
+    def impacts(step, phases):
+        return _impacts(
             case.particle, case.particle_radius, case.plate, case.interaction, speed, angle_deg,
-            time_step=step, contact=contact, phase=phase,
+            step, (0.0, 0.0, 0.0), 0.0, contact, phases,
         )  # fmt: skip
 
-    fine = impact(None, 0.5)
-    coarse = [impact(time_step, float(phase)) for phase in _PHASES]
+    (fine,) = impacts(None, (0.5,))
+    coarse = impacts(time_step, _PHASES.tolist())
     bias = {"total": float(np.mean([one.total for one in coarse])) / fine.total - 1.0}
     mu = case.static_friction
     if mu > 0.0:

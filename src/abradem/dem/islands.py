@@ -45,16 +45,17 @@ from abradem.dem.borrow import borrowed_state
 from abradem.dem.cache import kernel
 from abradem.dem.cells import cell_of, enter_cell, leave_cell
 from abradem.dem.factory import release_due
-from abradem.dem.flights import plan_flights, plan_pairs
+from abradem.dem.flights import forget_meeting, plan_flights, plan_pairs
 from abradem.dem.mesh_contact import touch_surface
 from abradem.dem.motion import finish, fly_to, move, remove_if_fallen, touch_pair, touch_plate
 from abradem.dem.neighbours import compact
 from abradem.dem.plate import height_over
-from abradem.dem.rows import distance2_to, make_rows, note_in_row, steps_apart
+from abradem.dem.rows import BLOW, distance2_to, make_rows, note_in_row, steps_apart
 from abradem.dem.state import (
     DONE,
     FLYING,
     GONE,
+    NEEDS_TEAM,
     OVERLAP_STOP,
     STOP_CROWDED,
     STOP_OVERLAP,
@@ -64,7 +65,7 @@ from abradem.dem.state import (
 from abradem.dem.vectors import dot, scaled
 
 SMALLEST_CROWD = 256
-"""Number of particles from which on `synchronous` can take over."""
+"""Number of particles for each thread from which on `synchronous` can take over."""
 
 CROWD_STEPS = 5000
 """Number of steps after which `synchronous` may hand back."""
@@ -78,9 +79,11 @@ def advance(problem, schedule, state, agenda, last_step):
     outcome = DONE
     while tally.step < last_step and outcome == DONE:
         if clock.crowded != 0:
+            if clock.threads > 1:
+                return NEEDS_TEAM
             until = min(last_step, tally.step + CROWD_STEPS)
             outcome = synchronous.advance(problem, schedule, state, until)
-            if outcome == DONE and not _resume_if_thinned(problem, state, agenda):
+            if outcome == DONE and not resume_if_thinned(problem, state, agenda):
                 outcome = STOP_CROWDED
             continue
         if clock.bits == 0 and not plan_all(problem, state, agenda):
@@ -99,7 +102,7 @@ def advance(problem, schedule, state, agenda, last_step):
             if tally.step >= min(tally.next_release, last_step):
                 continue
         outcome = _step(problem, state, agenda)
-        if clock.awake > clock.crowd * tally.live and tally.live > SMALLEST_CROWD:
+        if clock.awake > clock.crowd * tally.live and tally.live > SMALLEST_CROWD * clock.threads:
             _refresh(problem, state)
             # `synchronous` then builds its pair list in the first step.
             tally.drift = np.inf
@@ -128,11 +131,16 @@ def _step(problem, state, agenda):
     hasty = 0
     for k in range(clock.awake):
         i = awake[k]
+        plan = plans[i]
         dx, dy, dz = move(problem, particles[i], tally.step)
-        if dx * dx + dy * dy + dz * dz > plans[i].stride2 or plans[i].row_until < now:
+        dx -= problem.dt * plan.course_x
+        dy -= problem.dt * plan.course_y
+        dz -= problem.dt * plan.course_z
+        if dx * dx + dy * dy + dz * dz > plan.stray2 or plan.row_until < now:
             agenda.lists[LANDED, hasty] = i
             hasty += 1
-    # Rows that assumed a lower pace are made again before contacts are looked for.
+    # Rows of particles that strayed farther than assumed are made again before contacts are
+    # looked for.
     if hasty > 0 and not make_rows(problem, state, agenda, LANDED, hasty, now, now):
         return STOP_CROWDED
 
@@ -187,7 +195,10 @@ def _touch_walls(problem, state, agenda, mesh, now):
     """Contacts of the awake particles with the plate or, if there is one, with the surface."""
     particles, awake = state.particles, agenda.awake
     if mesh is not None:
-        touch_surface(problem, state, mesh, now, awake, agenda.clock[0].awake)
+        touch_surface(
+            problem, particles, state.tally, state.facet_wear, mesh, now, awake,
+            agenda.clock[0].awake,
+        )  # fmt: skip
         return
     for k in range(agenda.clock[0].awake):
         particle = particles[awake[k]]
@@ -210,6 +221,7 @@ def _meet_due(problem, state, agenda, now):
     for k in range(count):
         i = lists[DUE, k]
         plan = plans[i]
+        forget_meeting(state, plan, now)
         if min(plan.meet_due, plan.leave_due) <= now:
             for m in range(plan_pairs(problem, state, agenda, i, now)):
                 _begin(problem, state, agenda, i, lists[NEIGHBOURS, m], now)
@@ -245,7 +257,7 @@ def _check_row(problem, state, agenda, i, now):
                 _begin(problem, state, agenda, i, j, now)
                 continue
             horizon = problem.dt * (plan.row_until - now)
-            check = steps_apart(problem, agenda, a, plan.pace, b, j, distance2, now, horizon)
+            check = steps_apart(problem, agenda, a, plan, b, j, distance2, now, horizon)
             near.next_check = max(check, now + 1)
         first = min(first, near.next_check)
     plan.row_next = first
@@ -256,7 +268,8 @@ def _check_row(problem, state, agenda, i, now):
 def _clear_row(plan):
     """Have a particle that is awake from now on without a row."""
     plan.impact = 0.0
-    plan.pace = 0.0
+    plan.course_x = plan.course_y = plan.course_z = 0.0
+    plan.stray = 0.0
     plan.row_size = 0
     plan.row_next = NEVER
     plan.row_until = -1
@@ -309,7 +322,7 @@ def _begin(problem, state, agenda, i, j, now):
     _attend(problem, state, agenda, j, now)
     impact = _relative_speed(problem, state.particles[i], state.particles[j], now)
     for k in (i, j):
-        if impact > agenda.plans[k].pace:
+        if BLOW * impact > agenda.plans[k].stray:
             agenda.plans[k].impact = max(agenda.plans[k].impact, impact)
     # Too many contacts are noticed when they are merged.
     if clock.begun < begun.size:
@@ -410,6 +423,7 @@ def plan_all(problem, state, agenda):
             continue
         enter_cell(agenda, i, cell_of(problem, agenda, particle.x, particle.y, particle.z))
         plan.plate_due = plan.meet_due = tally.step
+        plan.meet_with = -1
         plan.awake = 1 if particle.motion == TOUCHING else 0
         if plan.awake != 0:
             _clear_row(plan)
@@ -445,7 +459,7 @@ def _sort_open(tally, pairs):
 
 
 @kernel
-def _resume_if_thinned(problem, state, agenda):
+def resume_if_thinned(problem, state, agenda):
     """Take over from `synchronous` if few particles touch; False if a row is full."""
     tally, particles = state.tally[0], state.particles
     touching = 0
@@ -484,6 +498,9 @@ def _compact(state, agenda):
                 rows[i, size].next_check = rows[i, m].next_check
                 size += 1
         plans[i].row_size = size
+    for i in range(tally.live):
+        if target[i] >= 0 and plans[target[i]].meet_with >= 0:
+            plans[target[i]].meet_with = target[plans[target[i]].meet_with]
     compact(state)
     agenda.queue[:] = -1
     agenda.cells[:] = -1

@@ -8,13 +8,15 @@ nearest cell with some is, from which `mesh_flights` has a lower bound of a flig
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from abradem.dem.cache import kernel
-from abradem.dem.mesh_search import SIDE, nearest_on_triangle
 from abradem.dem.surface import CELL_SUMS, Surface, check_surface
+from abradem.dem.triangle import SIDE, nearest_on_triangle
+from abradem.dem.vectors import dot
 
 WALLS = 4
 """Largest number of contacts of a particle with a surface."""
@@ -52,6 +54,13 @@ WALL = np.dtype(
 HIT = np.dtype(
     [(name, np.float64) for name in ("nx", "ny", "nz", "distance")]
     + [(name, np.int64) for name in ("triangle", "frame", "on_face", "settled")]
+)
+
+# What a particle can touch while it is near a place of a frame: the place, m, in the coordinates of
+# the frame, the square of the distance from it within which that holds, m2, and the triangle whose
+# face alone it can touch there, or `mesh_search.NOTHING`.
+SPOT = np.dtype(
+    [(name, np.float64) for name in ("x", "y", "z", "room2")] + [("triangle", np.int64)]
 )
 
 # A frame: rotation (rad/s, point and unit direction of the axis), the step for which cos and sin
@@ -94,12 +103,16 @@ class Mesh(NamedTuple):
         Tangential velocity of each part, m/s.
     frame_of : ndarray of int, shape (t,)
         Frame of each triangle.
-    sums : ndarray, shape (6, t)
+    sums : ndarray, shape (t, 6)
         Sums of each cell, in the order of `surface.CELL_SUMS`.
     hits : ndarray of HIT, shape (MOST_HITS + WALLS,)
         Working memory.
     walls : ndarray of WALL, shape (capacity, WALLS)
         Memory of the contacts of each particle.
+    open_walls : ndarray of int, shape (capacity,)
+        Memories of each particle that hold a contact, as the sum of two to the power of each.
+    spots : ndarray of SPOT, shape (capacity, f)
+        What each particle can touch in each frame.
     """
 
     frames: np.ndarray
@@ -121,6 +134,8 @@ class Mesh(NamedTuple):
     sums: np.ndarray
     hits: np.ndarray
     walls: np.ndarray
+    open_walls: np.ndarray
+    spots: np.ndarray
 
 
 def make_mesh(surface: Surface, radius: float, capacity: int) -> Mesh:
@@ -153,7 +168,7 @@ def make_mesh(surface: Surface, radius: float, capacity: int) -> Mesh:
     lengths = sides[:, :, 9]
     cells = [
         _grid(frames[f], sides, normals, frame_of == f, reach,
-              min(radius, float(np.median(lengths))), MOST_CELLS // len(frames))
+              _cell_width(lengths[frame_of == f], radius), MOST_CELLS // len(frames))
         for f in range(len(frames))
     ]  # fmt: skip
     counts = np.concatenate([count for count, _, _ in cells])
@@ -176,19 +191,33 @@ def make_mesh(surface: Surface, radius: float, capacity: int) -> Mesh:
         part=np.ascontiguousarray(surface.part, dtype=np.int64),
         velocity=np.ascontiguousarray(surface.velocity, dtype=float),
         frame_of=frame_of,
-        sums=np.zeros((len(CELL_SUMS), len(triangles))),
+        sums=np.zeros((len(triangles), len(CELL_SUMS))),
         hits=np.zeros(MOST_HITS + WALLS, HIT),
         walls=np.zeros((capacity, WALLS), WALL),
+        open_walls=np.zeros(capacity, np.int64),
+        spots=np.zeros((capacity, len(frames)), SPOT),
     )
+
+
+def _cell_width(lengths, radius: float) -> float:
+    """Return the width of the cells of a frame, m.
+
+    A cell as wide as a triangle lists few of them, and a flight passes few such cells. Cells much
+    smaller than a particle would all list the same triangles.
+    """
+    return max(0.5 * radius, float(np.median(lengths)))
 
 
 def grown_mesh(mesh: Mesh | None, capacity: int) -> Mesh | None:
     """Return the mesh with room for ``capacity`` particles."""
     if mesh is None:
         return None
-    walls = np.zeros((capacity, WALLS), WALL)
-    walls[: len(mesh.walls)] = mesh.walls
-    return mesh._replace(walls=walls)
+    walls, open_walls = np.zeros((capacity, WALLS), WALL), np.zeros(capacity, np.int64)
+    spots = np.zeros((capacity, len(mesh.frames)), SPOT)
+    for larger, before in ((walls, mesh.walls), (open_walls, mesh.open_walls),
+                           (spots, mesh.spots)):  # fmt: skip
+        larger[: len(before)] = before
+    return mesh._replace(walls=walls, open_walls=open_walls, spots=spots)
 
 
 @kernel(inline=True)
@@ -198,6 +227,9 @@ def move_walls(mesh, source, target):
         return
     for w in range(WALLS):
         mesh.walls[target, w] = mesh.walls[source, w]
+    mesh.open_walls[target] = mesh.open_walls[source]
+    for f in range(mesh.frames.size):
+        mesh.spots[target, f] = mesh.spots[source, f]
 
 
 def _welded(surface: Surface) -> tuple[np.ndarray, np.ndarray]:
@@ -293,20 +325,45 @@ def _grid(frame, sides, normals, mine, reach, width, most_cells):
     frame["low_x"], frame["low_y"], frame["low_z"] = low
     frame["width"] = width
     frame["nx"], frame["ny"], frame["nz"] = count
-    within = reach + 0.5 * np.sqrt(3.0) * width * (1.0 + 1e-9)
     number = np.zeros(int(np.prod(count)), np.int64)
     nothing = np.zeros(0, np.int64)
-    _list_triangles(sides, normals, chosen, low, width, count, within, number, nothing, nothing)
+    reach *= 1.0 + 1e-9
+    _list_triangles(sides, normals, chosen, low, width, count, reach, number, nothing, nothing)
     first = np.concatenate([[0], np.cumsum(number)[:-1]])
     listed = np.zeros(int(number.sum()), np.int64)
-    _list_triangles(sides, normals, chosen, low, width, count, within, number, first, listed)
+    _list_triangles(sides, normals, chosen, low, width, count, reach, number, first, listed)
     steps = np.where(number > 0, 0, FARTHEST).astype(np.int16)
     _count_steps(steps, count)
     return number, listed, steps
 
 
+@kernel(inline=True)
+def _is_within(sides, normals, i, half, reach, x, y, z):
+    """Whether some point of a cell can be within reach of triangle i; the cell has its centre here.
+
+    A cell of half the width ``half`` m that is farther away along the normal of the triangle, or
+    across one of its sides, is not (Gottschalk, Lin & Manocha 1996, SIGGRAPH 96:171).
+    """
+    n = (normals[i, 0], normals[i, 1], normals[i, 2])
+    distance2, _, _, height = nearest_on_triangle(sides, normals, i, x, y, z)
+    if distance2 > (reach + math.sqrt(3.0) * half) ** 2 or abs(height) > reach + half * _sum(n):
+        return False
+    for k in range(3):
+        across = (sides[i, k, 3], sides[i, k, 4], sides[i, k, 5])
+        arm = (x - sides[i, k, 0], y - sides[i, k, 1], z - sides[i, k, 2])
+        if dot(arm, across) < -(reach + half * _sum(across)):
+            return False
+    return True
+
+
+@kernel(inline=True)
+def _sum(n):
+    """Sum of the absolute components of a vector."""
+    return abs(n[0]) + abs(n[1]) + abs(n[2])
+
+
 @kernel
-def _list_triangles(sides, normals, chosen, low, width, count, within, number, first, listed):
+def _list_triangles(sides, normals, chosen, low, width, count, reach, number, first, listed):
     """Count the triangles within reach of each cell, or list them if ``listed`` has room."""
     fill = listed.size > 0
     if fill:
@@ -316,16 +373,15 @@ def _list_triangles(sides, normals, chosen, low, width, count, within, number, f
         for axis in range(3):
             least = min(sides[i, 0, axis], min(sides[i, 1, axis], sides[i, 2, axis]))
             most = max(sides[i, 0, axis], max(sides[i, 1, axis], sides[i, 2, axis]))
-            begin[axis] = max(int((least - within - low[axis]) / width), 0)
-            end[axis] = min(int((most + within - low[axis]) / width) + 1, count[axis])
+            begin[axis] = max(int((least - reach - low[axis]) / width), 0)
+            end[axis] = min(int((most + reach - low[axis]) / width) + 1, count[axis])
         for cx in range(begin[0], end[0]):
             x = low[0] + (cx + 0.5) * width
             for cy in range(begin[1], end[1]):
                 y = low[1] + (cy + 0.5) * width
                 for cz in range(begin[2], end[2]):
                     z = low[2] + (cz + 0.5) * width
-                    distance2 = nearest_on_triangle(sides, normals, i, x, y, z)[0]
-                    if distance2 <= within * within:
+                    if _is_within(sides, normals, i, 0.5 * width, reach, x, y, z):
                         cell = (cx * count[1] + cy) * count[2] + cz
                         if fill:
                             listed[first[cell] + number[cell]] = i

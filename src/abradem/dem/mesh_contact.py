@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
+from abradem.dem.borrow import borrowed, borrowed_mesh
 from abradem.dem.cache import kernel
 from abradem.dem.mesh import MOST_HITS, WALLS
 from abradem.dem.mesh_search import (
     SMOOTH,
     find_contacts,
-    has_walls_near,
     surface_distance,
     turn_to,
 )
@@ -26,13 +26,14 @@ from abradem.dem.vectors import cross, dot, plus
 
 
 @kernel
-def touch_surface(problem, state, mesh, step, chosen, count):
+def touch_surface(problem, particles, tally, wear, mesh, step, chosen, count):
     """Contacts with the surface at lattice step ``step``: forces, torques and wear.
 
     Parameters
     ----------
     problem : Problem
-    state : State
+    particles, tally, wear : ndarray
+        Particles, tally and wear of the cells of the state.
     mesh : Mesh
         That of the state.
     step : int
@@ -40,61 +41,82 @@ def touch_surface(problem, state, mesh, step, chosen, count):
         Particles that can touch, the first ``count``; None means the first ``count`` of all.
     count : int
     """
+    particles, tally, wear = borrowed(particles), borrowed(tally), borrowed(wear)
+    mesh = borrowed_mesh(mesh)
     turn_to(problem, mesh, step)
     for k in range(count):
         i = np.int64(k)
         if chosen is not None:
             i = chosen[k]
-        particle = state.particles[i]
-        if particle.motion != GONE and (
-            particle.plate_stiffness != 0.0
-            or has_walls_near(mesh, particle.x, particle.y, particle.z)
-        ):
-            _touch_mesh(problem, state, mesh, i)
+        if particles[i].motion != GONE:
+            _touch_mesh(problem, particles[i], tally[0], wear, mesh, i)
 
 
 @kernel(inline=True)
-def _touch_mesh(problem, state, mesh, i):
+def _touch_mesh(problem, particle, tally, wear, mesh, i):
     """Contacts of particle i with the surface."""
-    particle, walls = state.particles[i], mesh.walls[i]
-    count = find_contacts(mesh, particle.x, particle.y, particle.z, MOST_HITS, WALLS)
-    if count == 0 and particle.plate_stiffness == 0.0:
+    count = find_contacts(mesh, i, particle.x, particle.y, particle.z, MOST_HITS, WALLS)
+    opened = mesh.open_walls[i]
+    if count == 0 and opened == 0:
         return
-    hits = mesh.hits
-    # A hit continues the contact with the nearest normal.
-    for c in range(count):
-        hit = hits[c]
-        hit.settled = -1
-        nearest = SMOOTH
-        for w in range(WALLS):
-            wall = walls[w]
-            if wall.plate_stiffness != 0.0 and not _is_taken(hits, c, w):
-                likeness = dot((hit.nx, hit.ny, hit.nz), (wall.nx, wall.ny, wall.nz))
-                if likeness >= nearest:
-                    nearest = likeness
-                    hit.settled = w
+    hits, walls = mesh.hits, mesh.walls[i]
     # First the contacts that ended in this step, by memory, then the hits.
-    for c in range(-WALLS, count):
+    first = 0
+    if count != 1 or opened > 1 or not _goes_on(hits[0], walls[0], opened):
+        first = -WALLS
+        _match(mesh, i, count)
+    for c in range(first, count):
         w, overlap, on_face = c + WALLS, 0.0, True
         if c < 0:
-            if walls[w].plate_stiffness == 0.0 or _is_taken(hits, count, w):
+            if not opened & 1 << w or _is_taken(hits, count, w):
                 continue
         else:
             hit = hits[c]
             w = hit.settled
             if w < 0:
                 w = 0
-                while walls[w].plate_stiffness != 0.0 or _is_taken(hits, count, w):
+                while mesh.open_walls[i] & 1 << w or _is_taken(hits, count, w):
                     w += 1
                 hit.settled = w
                 _clear(walls[w])
             walls[w].nx, walls[w].ny, walls[w].nz = hit.nx, hit.ny, hit.nz
             walls[w].triangle = hit.triangle
             overlap, on_face = problem.radius - hit.distance, hit.on_face == 1
-        _press_on(problem, state, mesh, particle, walls[w], overlap, on_face)
+        _press_on(problem, tally, wear, mesh, particle, walls[w], overlap, on_face)
+        mesh.open_walls[i] &= ~(1 << w)
+        if walls[w].plate_stiffness != 0.0:
+            mesh.open_walls[i] |= 1 << w
     particle.plate_stiffness = 0.0
     for w in range(WALLS):
-        particle.plate_stiffness = max(particle.plate_stiffness, walls[w].plate_stiffness)
+        if mesh.open_walls[i] & 1 << w:
+            particle.plate_stiffness = max(particle.plate_stiffness, walls[w].plate_stiffness)
+
+
+@kernel(inline=True)
+def _goes_on(hit, wall, opened):
+    """Whether the one hit is the one open contact, of the first memory; it is also if none is open.
+
+    ``opened`` is 0 or 1, as in `Mesh.open_walls`.
+    """
+    hit.settled = opened - 1
+    return opened == 0 or dot((hit.nx, hit.ny, hit.nz), (wall.nx, wall.ny, wall.nz)) >= SMOOTH
+
+
+@kernel
+def _match(mesh, i, count):
+    """Have each hit continue the open contact of particle i with the nearest normal, or none."""
+    hits, walls = mesh.hits, mesh.walls[i]
+    for c in range(count):
+        hit = hits[c]
+        hit.settled = -1
+        nearest = SMOOTH
+        for w in range(WALLS):
+            wall = walls[w]
+            if mesh.open_walls[i] & 1 << w and not _is_taken(hits, c, w):
+                likeness = dot((hit.nx, hit.ny, hit.nz), (wall.nx, wall.ny, wall.nz))
+                if likeness >= nearest:
+                    nearest = likeness
+                    hit.settled = w
 
 
 @kernel(inline=True)
@@ -123,12 +145,15 @@ def clear_walls(mesh, i):
     if mesh is not None:
         for w in range(WALLS):
             _clear(mesh.walls[i, w])
+        mesh.open_walls[i] = 0
+        for f in range(mesh.frames.size):
+            mesh.spots[i, f].room2 = 0.0
 
 
 @kernel(inline=True)
-def _press_on(problem, state, mesh, particle, wall, overlap, on_face):
+def _press_on(problem, tally, wear, mesh, particle, wall, overlap, on_face):
     """One contact with the surface: force, and wear and sums of its cell."""
-    tally, sums, cell = state.tally[0], mesh.sums, wall.triangle
+    sums, cell = mesh.sums, wall.triangle
     n = (wall.nx, wall.ny, wall.nz)
     speed = wall_velocity(mesh, cell, particle, n, problem.radius - overlap)
     begins = wall.plate_stiffness == 0.0
@@ -136,9 +161,9 @@ def _press_on(problem, state, mesh, particle, wall, overlap, on_face):
         problem, particle, wall, tally, overlap, n, speed, on_face
     )
     wall.overlap = overlap
-    state.facet_wear[0, cell, 0] += total
-    state.facet_wear[1, cell, 0] += sliding
-    state.facet_wear[2, cell, 0] += friction
+    wear[0, cell, 0] += total
+    wear[1, cell, 0] += sliding
+    wear[2, cell, 0] += friction
     tally.energy_in += driven
     if begins:
         impact = (
@@ -147,13 +172,13 @@ def _press_on(problem, state, mesh, particle, wall, overlap, on_face):
             particle.half_vz - speed[2],
         )
         fast = math.sqrt(dot(impact, impact))
-        sums[0, cell] += 1.0
-        sums[1, cell] += fast
+        sums[cell, 0] += 1.0
+        sums[cell, 1] += fast
         if fast > 0.0:
-            sums[2, cell] += math.degrees(math.acos(min(abs(dot(impact, n)) / fast, 1.0)))
-    sums[3, cell] += normal_work
-    sums[4, cell] += tangential_work
-    sums[5, cell] += impulse
+            sums[cell, 2] += math.degrees(math.acos(min(abs(dot(impact, n)) / fast, 1.0)))
+    sums[cell, 3] += normal_work
+    sums[cell, 4] += tangential_work
+    sums[cell, 5] += impulse
 
 
 @kernel(inline=True)

@@ -19,7 +19,12 @@ NORMAL_LAWS = ("exact_e", "nominal_clipped", "nominal_attractive")
 TANGENTIAL_LAWS = ("incremental", "displacement")
 TANGENTIAL_DAMPINGS = ("capped", "none", "uncapped")
 STEPPINGS = ("islands", "synchronous")
+MOST_THREADS = 64
+"""Largest number of threads of one simulation."""
+
 ANGLE_ACTS = ("tilt", "level", "arc")
+UNPLACED = ("wait", "skip")
+MOST_ATTEMPTS = 10_000
 
 
 @dataclass(frozen=True)
@@ -217,6 +222,12 @@ class Setup:
         Radius r of the arc, m; used by ``arc`` alone.
     mass_rate, number_rate : float or None
         Feed in kg/s or in particles per second; exactly one of them.
+    attempts : int
+        Number of random places on the patch that are tried for a particle.
+    unplaced : {"wait", "skip"}
+        What becomes of a particle that overlaps others at all of them. ``wait``: it is tried
+        again a little later, before those that follow, so the feed is made up for as soon as there
+        is room. ``skip``: it is left out, and its share of the feed is lost.
     removal_depth : float
         Depth below the lowest point of the plate at which particles are removed, m.
     gravity : float
@@ -266,6 +277,8 @@ class Setup:
     arc_radius: float = 0.0
     mass_rate: float | None = 4.0
     number_rate: float | None = None
+    attempts: int = 100
+    unplaced: str = "wait"
     removal_depth: float = 0.1
     gravity: float = 9.81
     contact: ContactModel = field(default_factory=ContactModel)
@@ -286,6 +299,11 @@ class Setup:
     def __post_init__(self):
         _check_choice("stepping", self.stepping, STEPPINGS)
         _check_choice("angle_acts", self.angle_acts, ANGLE_ACTS)
+        _check_choice("unplaced", self.unplaced, UNPLACED)
+        if not (type(self.attempts) is int and 1 <= self.attempts <= MOST_ATTEMPTS):
+            raise ValueError(
+                f"attempts = {self.attempts!r} must be a whole number from 1 to {MOST_ATTEMPTS}"
+            )
         _check_number("arc_radius", self.arc_radius, least=0.0)
         if self.angle_acts == "arc" and self.arc_radius >= self.fall_height:
             raise ValueError(

@@ -149,19 +149,36 @@ def _load(particle, fn, n, ft, arm):
 @kernel(inline=True)
 def touch_plate(problem, particle, tally, facet_wear):
     """Contact of a particle with the plate: force, torque and wear of this step."""
+    ix, iz, worn = press_plate(problem, particle, tally)
+    if ix >= 0:
+        wear_facet(facet_wear, ix, iz, worn)
+
+
+@kernel(inline=True)
+def wear_facet(facet_wear, ix, iz, worn):
+    """Add the wear of a contact, by the three measures, to that of its facet, J."""
+    facet_wear[0, ix, iz] += worn[0]
+    facet_wear[1, ix, iz] += worn[1]
+    facet_wear[2, ix, iz] += worn[2]
+
+
+@kernel(inline=True)
+def press_plate(problem, particle, tally):
+    """Contact of a particle with the plate: return facet (ix, iz) and its wear, see `press`.
+
+    Without contact ix is -1.
+    """
     distance, n, along, across, on_face = plate_distance(
         problem.plate, particle.x, particle.y, particle.z
     )
     overlap = problem.radius - distance
     if overlap <= 0.0 and particle.plate_stiffness == 0.0:
-        return
+        return -1, -1, (0.0, 0.0, 0.0)
     total, sliding, friction, _, _, _, _ = press(
         problem, particle, particle, tally, overlap, n, (0.0, 0.0, 0.0), on_face
     )
     ix, iz = facet_of(problem.plate, along, across)
-    facet_wear[0, ix, iz] += total
-    facet_wear[1, ix, iz] += sliding
-    facet_wear[2, ix, iz] += friction
+    return ix, iz, (total, sliding, friction)
 
 
 @kernel(inline=True)

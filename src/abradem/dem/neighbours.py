@@ -8,6 +8,8 @@ particle are in nine contiguous pieces of memory.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from abradem.dem.bounds import centre_distance2
@@ -15,8 +17,8 @@ from abradem.dem.cache import kernel
 from abradem.dem.mesh import move_walls
 from abradem.dem.state import GONE, SKIN
 
-CELLS_PER_PARTICLE = 8
-"""Largest number of grid cells per particle."""
+CELLS_PER_PARTICLE, FURTHER_CELLS = 8, 64
+"""Largest number of grid cells: so many per particle, and so many more."""
 
 
 @kernel(inline=True)
@@ -26,9 +28,58 @@ def _cells(extent, width):
     return np.int64(number) + 1 if 0.0 <= number < 2.0**62 else np.int64(1)
 
 
+class Grid(NamedTuple):
+    """Working memory for a new pair list: the grid of cells, and the contacts that are open.
+
+    Attributes
+    ----------
+    box : ndarray, shape (2, 3)
+        Corner of the grid and widths of a cell, m.
+    counts : ndarray of int, shape (3,)
+        Number of cells along each axis.
+    first : ndarray of int, shape (cells + 1,)
+        First entry of each cell in ``member`` and ``place``.
+    cell : ndarray of int, shape (capacity,)
+        Cell of each particle.
+    member, place : ndarrays, shapes (capacity,) and (capacity, 3)
+        Particles and their positions, m, sorted by cell.
+    kept : ndarray of PAIR
+        Open contacts.
+    chain, head : ndarrays of int
+        The next open contact with the same first particle, and the first one of each particle; -1:
+        there is none.
+    """
+
+    box: np.ndarray
+    counts: np.ndarray
+    first: np.ndarray
+    cell: np.ndarray
+    member: np.ndarray
+    place: np.ndarray
+    kept: np.ndarray
+    chain: np.ndarray
+    head: np.ndarray
+
+
 @kernel
-def _make_grid(tally, particles, reach):
-    """Corner, cell widths and numbers of cells of a box around all particles.
+def make_grid(capacity, pairs):
+    """Return working memory for ``capacity`` particles and as many open contacts as ``pairs``."""
+    return Grid(
+        np.empty((2, 3)),
+        np.empty(3, np.int64),
+        np.empty(CELLS_PER_PARTICLE * capacity + FURTHER_CELLS + 1, np.int64),
+        np.empty(capacity, np.int64),
+        np.empty(capacity, np.int64),
+        np.empty((capacity, 3)),
+        np.empty(pairs.size, pairs.dtype),
+        np.empty(pairs.size, np.int64),
+        np.empty(capacity, np.int64),
+    )
+
+
+@kernel
+def _lay_grid(tally, particles, grid, reach):
+    """Lay a box of cells around all particles.
 
     Cells are at least ``reach`` wide. If there are too many, they are widened along the axis
     with the most cells.
@@ -46,7 +97,7 @@ def _make_grid(tally, particles, reach):
         nx = _cells(high_x - low_x, wide_x)
         ny = _cells(high_y - low_y, wide_y)
         nz = _cells(high_z - low_z, wide_z)
-        if np.float64(nx) * ny * nz <= CELLS_PER_PARTICLE * tally.live + 64:
+        if np.float64(nx) * ny * nz <= CELLS_PER_PARTICLE * tally.live + FURTHER_CELLS:
             break
         if nx >= ny and nx >= nz:
             wide_x *= 2.0
@@ -54,7 +105,10 @@ def _make_grid(tally, particles, reach):
             wide_y *= 2.0
         else:
             wide_z *= 2.0
-    return (low_x, low_y, low_z), (wide_x, wide_y, wide_z), (nx, ny, nz)
+    box, counts = grid.box, grid.counts
+    box[0, 0], box[0, 1], box[0, 2] = low_x, low_y, low_z
+    box[1, 0], box[1, 1], box[1, 2] = wide_x, wide_y, wide_z
+    counts[0], counts[1], counts[2] = nx, ny, nz
 
 
 @kernel
@@ -63,30 +117,38 @@ def rebuild_pairs(problem, state):
 
     Open contacts keep their memory.
     """
+    tally, pairs = state.tally[0], state.pairs
+    grid = make_grid(tally.live, pairs[: tally.pairs])
+    sort_into_cells(problem, state, grid)
+    found = find_pairs(problem, state, grid, 0, tally.live, pairs, 0)
+    if found < 0:
+        return False
+    tally.pairs = found
+    tally.drift = 0.0
+    return True
+
+
+@kernel
+def sort_into_cells(problem, state, grid):
+    """Sort particles into the cells of a grid, and copy the open contacts of the pair list."""
     tally, particles, pairs = state.tally[0], state.particles, state.pairs
     live = tally.live
-    reach = (2.0 + SKIN) * problem.radius
 
     # Open contacts, as one linked list for each first particle.
-    kept_count = 0
-    for p in range(tally.pairs):
-        if pairs[p].stiffness != 0.0:
-            kept_count += 1
-    kept = np.empty(kept_count, pairs.dtype)
-    chain = np.empty(kept_count, np.int64)
-    head = np.full(live, -1, np.int64)
+    grid.head[:live] = -1
     c = 0
     for p in range(tally.pairs):
         if pairs[p].stiffness != 0.0:
-            kept[c] = pairs[p]
-            chain[c] = head[pairs[p].i]
-            head[pairs[p].i] = c
+            grid.kept[c] = pairs[p]
+            grid.chain[c] = grid.head[pairs[p].i]
+            grid.head[pairs[p].i] = c
             c += 1
 
-    low, width, cells = _make_grid(tally, particles, reach)
-    nx, ny, nz = cells
-    first = np.zeros(nx * ny * nz + 1, np.int64)
-    cell = np.empty(live, np.int64)
+    _lay_grid(tally, particles, grid, (2.0 + SKIN) * problem.radius)
+    low, width, first, cell = grid.box[0], grid.box[1], grid.first, grid.cell
+    member, place = grid.member, grid.place
+    nx, ny, nz = grid.counts[0], grid.counts[1], grid.counts[2]
+    first[: nx * ny * nz + 1] = 0
     for i in range(live):
         particle = particles[i]
         if particle.motion == GONE:
@@ -100,8 +162,6 @@ def rebuild_pairs(problem, state):
     for c in range(nx * ny * nz):
         first[c + 1] += first[c]
     # Fill each cell from its end backwards; `first` is then the beginning of each cell.
-    member = np.empty(live, np.int64)
-    place = np.empty((live, 3))
     for i in range(live - 1, -1, -1):
         particle = particles[i]
         if particle.motion == GONE:
@@ -111,8 +171,19 @@ def rebuild_pairs(problem, state):
         member[at] = i
         place[at, 0], place[at, 1], place[at, 2] = particle.x, particle.y, particle.z
 
-    found = 0
-    for i in range(live):
+
+@kernel
+def find_pairs(problem, state, grid, begin, end, pairs, found):
+    """Write the pairs with first particles from ``begin`` to before ``end`` into ``pairs``.
+
+    They follow the first ``found`` pairs. Return the number of pairs, or -1 if they do not fit.
+    """
+    particles = state.particles
+    reach = (2.0 + SKIN) * problem.radius
+    first, cell, member, places = grid.first, grid.cell, grid.member, grid.place
+    kept, chain, head = grid.kept, grid.chain, grid.head
+    nx, ny, nz = grid.counts[0], grid.counts[1], grid.counts[2]
+    for i in range(begin, end):
         particle = particles[i]
         if particle.motion == GONE:
             continue
@@ -129,11 +200,11 @@ def rebuild_pairs(problem, state):
                     j = member[m]
                     if j <= i:
                         continue
-                    dx, dy, dz = x - place[m, 0], y - place[m, 1], z - place[m, 2]
+                    dx, dy, dz = x - places[m, 0], y - places[m, 1], z - places[m, 2]
                     if not dx * dx + dy * dy + dz * dz < reach * reach:
                         continue
                     if found == pairs.size:
-                        return False
+                        return -1
                     # Partners are in ascending order. Forces are then summed in the same order
                     # for every grid, and all steppings give bitwise equal results.
                     at = found
@@ -151,9 +222,7 @@ def rebuild_pairs(problem, state):
                     pairs[p] = kept[k]
                     break
                 k = chain[k]
-    tally.pairs = found
-    tally.drift = 0.0
-    return True
+    return found
 
 
 @kernel

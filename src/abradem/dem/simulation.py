@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from abradem.dem import samples
-from abradem.dem.agenda import grown_agenda, make_agenda
+from abradem.dem.agenda import Agenda, grown_agenda, make_agenda
 from abradem.dem.energy import energy_balance
 from abradem.dem.impact import CONVERGED_STEPS, step_bias
-from abradem.dem.model import Case, Setup, SimulationResult
+from abradem.dem.islands import CROWD_STEPS, resume_if_thinned
+from abradem.dem.model import MOST_THREADS, Case, Setup, SimulationResult
 from abradem.dem.samples import Record, make_record
 from abradem.dem.state import (
     DONE,
     NEEDS_ROOM,
+    NEEDS_TEAM,
+    STOP_CROWDED,
     STOP_ENERGY_GAIN,
     STOP_REASONS,
     Problem,
@@ -28,6 +32,9 @@ from abradem.dem.state import (
 from abradem.dem.stop import StopRule
 from abradem.dem.surface import Surface
 from abradem.elastic import hertz_duration, sphere_volume
+
+if TYPE_CHECKING:
+    from abradem.dem.parallel import Threads
 
 FIRST_CAPACITY = 64
 PARTICLES_IN_A_CALL = 2000
@@ -52,7 +59,14 @@ MOST_PARTICLES = 2**19
 is rejected or stopped; above the upper limits it would take days."""
 
 
-def simulate(case: Case, setup: Setup | None = None, releases=None, progress=None, recorder=None):
+def simulate(
+    case: Case,
+    setup: Setup | None = None,
+    releases=None,
+    progress=None,
+    recorder=None,
+    threads: int = 1,
+):
     """Pour particles on the plate of ``case`` until the wear rate is accurate enough.
 
     `steady.steady_part` finds the end of the transient. The simulation continues until the
@@ -74,6 +88,10 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     recorder : object, optional
         Has an attribute ``interval`` (s) and a method ``record(time, problem, state)``, which is
         called at time 0 and then at that interval. It must not change the state.
+    threads : int, optional
+        Number of threads, 1 to `MOST_THREADS`; it changes no bit of the result. They step crowds
+        and what the stepping ``synchronous`` steps, see `parallel`. A simulation with a surface
+        uses one.
 
     Returns
     -------
@@ -83,13 +101,16 @@ def simulate(case: Case, setup: Setup | None = None, releases=None, progress=Non
     ------
     ValueError
         If the time step does not resolve a contact or is far too short, if there would be too
-        many samples or particles, or if the releases are malformed.
+        many samples or particles, if the releases are malformed, or if the number of threads is
+        out of range.
     """
     setup = Setup() if setup is None else setup
+    if not 1 <= threads <= MOST_THREADS:
+        raise ValueError(f"threads = {threads}; allowed: 1 to {MOST_THREADS}")
     problem, schedule = make_problem(case, setup, releases)
     _check_step(case, problem, schedule, setup)
     _check_size(case, problem, setup)
-    engine = Engine(problem, schedule, setup.stepping, setup.surface)
+    engine = Engine(problem, schedule, setup.stepping, setup.surface, threads)
     sample_steps = max(1, round(setup.sample_interval / problem.dt))
     interval = sample_steps * problem.dt
     rule = StopRule(setup, interval, 0.0 if problem.scheduled else 1.0 / problem.rate)
@@ -137,7 +158,7 @@ def _map(state: State) -> np.ndarray:
     """Copy of the wear of all facets, and of the other sums of the cells of a surface."""
     if state.mesh is None:
         return state.facet_wear.copy()
-    return np.concatenate([state.facet_wear[:, :, 0], state.mesh.sums])
+    return np.concatenate([state.facet_wear[:, :, 0], state.mesh.sums.T])
 
 
 def _status(outcome: int | str, record: Record) -> str:
@@ -152,25 +173,37 @@ class Engine:
     """A state and the stepping that advances it; the arrays grow as needed."""
 
     def __init__(
-        self, problem: Problem, schedule: Schedule, stepping: str, surface: Surface | None = None
+        self,
+        problem: Problem,
+        schedule: Schedule,
+        stepping: str,
+        surface: Surface | None = None,
+        threads: int = 1,
     ):
         self.problem, self.schedule = problem, schedule
         self.state = make_state(problem, FIRST_CAPACITY, surface)
-        # Only the stepping by islands needs an agenda.
-        self.agenda = make_agenda(problem, FIRST_CAPACITY) if stepping == "islands" else None
+        self.threads: Threads | None = None
+        # Only the stepping by islands and threads need an agenda.
+        self.agenda: Agenda | None = None
+        if threads > 1 and surface is None:
+            # Loaded only if it is used, as its kernels are.
+            from abradem.dem.parallel import Threads
+
+            self.threads = Threads(threads)
+            self.agenda = make_agenda(problem, FIRST_CAPACITY, threads)
+            if stepping == "synchronous":
+                # A crowd from the beginning to the end.
+                self.agenda.clock["crowded"], self.agenda.clock["thin"] = 1, -1.0
+        elif stepping == "islands":
+            self.agenda = make_agenda(problem, FIRST_CAPACITY)
 
     def advance(self, last_step: int, record_steps=None, recorder=None) -> int | str:
         """Advance to ``last_step`` and call the recorder at its interval; return the outcome."""
         while True:
             target = last_step
             if record_steps:
-                step = int(self.state.tally["step"][0])
-                target = min(target, (step // record_steps + 1) * record_steps)
-            outcome = samples.advance(self.problem, self.schedule, self.state, self.agenda, target)
-            if outcome == NEEDS_ROOM:
-                outcome = self._make_room()
-                if outcome == DONE:
-                    continue
+                target = min(target, (self._step() // record_steps + 1) * record_steps)
+            outcome = self._advance(target)
             if outcome != DONE:
                 return outcome
             if record_steps and target % record_steps == 0:
@@ -187,11 +220,32 @@ class Engine:
                 self.problem, self.schedule, self.state, self.agenda, sample_steps, sample, last,
                 record,
             )  # fmt: skip
-            if outcome == NEEDS_ROOM:
-                outcome = self._make_room()
-                if outcome == DONE:
-                    continue
-            return sample, outcome
+            if outcome == DONE:
+                return sample, DONE
+            outcome = self._give_what_is_needed(outcome, (sample + 1) * sample_steps)
+            if outcome != DONE:
+                return sample, outcome
+
+    def _advance(self, target: int) -> int | str:
+        while True:
+            outcome = samples.advance(self.problem, self.schedule, self.state, self.agenda, target)
+            if outcome == DONE:
+                return DONE
+            needed = self._give_what_is_needed(outcome, target)
+            if needed != DONE:
+                return needed
+
+    def _step(self) -> int:
+        return int(self.state.tally["step"][0])
+
+    def _give_what_is_needed(self, outcome: int, target: int) -> int | str:
+        """Make room, or step a crowd to ``target`` at most; return `DONE` or why a case ends."""
+        if outcome == NEEDS_TEAM and self.threads and self.agenda:
+            until = min(target, self._step() + CROWD_STEPS)
+            outcome = self.threads.advance(self.problem, self.schedule, self.state, until)
+            if outcome == DONE and not resume_if_thinned(self.problem, self.state, self.agenda):
+                return STOP_CROWDED
+        return self._make_room() if outcome == NEEDS_ROOM else outcome
 
     def samples_in_a_call(self) -> int:
         """Number of samples in one kernel call; an interrupt only acts after the call."""

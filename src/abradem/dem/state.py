@@ -43,7 +43,7 @@ NOT_YET, ON_FACE, ON_EDGE = 0, 1, 2
 
 # Outcomes of `advance`.
 DONE, NEEDS_ROOM, STOP_OVERLAP, STOP_RELEASE, STOP_CROWDED = 0, 1, 2, 3, 4
-STOP_NOT_FINITE, STOP_WEAR_NOT_FINITE, STOP_ENERGY_GAIN = 5, 6, 7
+STOP_NOT_FINITE, STOP_WEAR_NOT_FINITE, STOP_ENERGY_GAIN, NEEDS_TEAM = 5, 6, 7, 8
 STOP_REASONS = {
     STOP_OVERLAP: "overlap above 20 % of the radius",
     STOP_RELEASE: "release into an overlap",
@@ -82,6 +82,10 @@ class Problem(NamedTuple):
     # Feed: from the factory (scheduled is False) or from given releases (True).
     scheduled: bool
     rate: float
+    # Random places that are tried for a particle, and whether one without a place is left out;
+    # otherwise it waits for this number of steps.
+    attempts: int
+    skips: bool
     retry_steps: int
     seed: int
     # Factory patch: centre, unit vectors of its edges, half of their lengths, and velocity of the
@@ -136,7 +140,7 @@ PAIR = np.dtype(_fields("i j", np.uint32) + _fields("stiffness sx sy sz fn tx ty
 
 # Clock, counters and sums.
 TALLY = np.dtype(
-    _fields("step live gone pairs placed draws next_release", np.int64)
+    _fields("step live gone pairs placed skipped draws next_release", np.int64)
     + _fields("face edge missed removed", np.int64)
     # Largest possible approach of any two particles since the pair list was built, m.
     + _fields("drift")
@@ -228,6 +232,8 @@ def make_problem(case: Case, setup: Setup, releases=None) -> tuple[Problem, Sche
         removal_height=_removal_height(case, setup),
         scheduled=releases is not None,
         rate=rate,
+        attempts=setup.attempts,
+        skips=setup.unplaced == "skip",
         retry_steps=max(1, round(RETRY / dt)),
         seed=case.seed,
         **_patch(case, setup),

@@ -21,6 +21,10 @@ BIN = 0.1
 LAG1_QUANTILE = 1.645
 """One-sided 95 % bound of a normal variable: larger lag-1 correlations are significant."""
 
+LEAST_FACTOR = 0.25
+"""Least factor of the squared error for negatively correlated batches. A large negative correlation
+is known too badly from 40 batches, and the error could come out near 0."""
+
 LEAST_BINS = 20
 """Bins that must remain after a late truncation; the scatter of fewer is not informative."""
 
@@ -55,6 +59,15 @@ class BatchMeans(NamedTuple):
     stderr: float
     lag1: float
     batches: int
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of ``stderr``, for Student's t: (n - 2) / 3 of n batches.
+
+        If they are independent and normal, the squared error has the relative variance 6 / n for
+        large n: 2 / n from the variance of the batches, 4 / n from twice their lag-1 covariance.
+        """
+        return (self.batches - 2) / 3.0
 
 
 class Change(NamedTuple):
@@ -255,6 +268,10 @@ def batch_means(
     more or one less would count as scatter of the rate, so batches are whole release intervals
     and their edges are where the plate wears least, between the impacts of two particles.
 
+    Falls last differently long, so what one batch wears less at an edge its neighbour wears more.
+    The error of the mean is therefore less than that of independent batches, and the lag-1
+    covariance is added to their variance.
+
     Parameters
     ----------
     time, cumulative : ndarray, shape (n,)
@@ -263,35 +280,45 @@ def batch_means(
         Start of the steady state, s. Less than one batch and one release interval after it are
         left out.
     minimum : int
-        Least number of batches.
+        Least number of batches. There are at least twice as many, so that pairs of neighbours are
+        enough, where samples and release intervals suffice.
     release_interval : float
         Time between two releases, s; 0 if they are not even. Parts with fewer intervals than
-        ``minimum`` are divided into that many equal batches.
+        ``minimum`` are divided as if it were 0.
 
     Returns
     -------
     BatchMeans
-        ``stderr`` is s / sqrt(batches), with the standard deviation s of the batch means. It is
-        enlarged by sqrt((1 + r) / (1 - r)) if the lag-1 correlation r of the batches is
-        significantly positive. All are nan, and ``batches`` is 0, if there are fewer samples
-        than batches.
+        With the variance s^2 of the n batches and their lag-1 correlation r, ``stderr`` is
+        s sqrt(f / (n - 2)), where f = (1 + r) / (1 - r), as for a correlation that decays
+        exponentially, if r is significantly positive, and otherwise 1 + 2 r, at least
+        `LEAST_FACTOR`. The latter is the batch-means estimate 2 V_2 - V_1 without the bias of
+        first order, with V_2 from pairs of batches (Vats and Flegal 2022, Biometrika 109:735; as a
+        flat-top lag window: Politis and Romano 1995, J. Time Ser. Anal. 16:67). For independent
+        batches it has no bias. All are nan, and ``batches`` is 0, if there are fewer samples
+        than ``minimum``.
     """
     time = np.asarray(time, dtype=float)
-    if minimum < 2 or not np.count_nonzero(time > start) >= minimum:
+    samples = int(np.count_nonzero(time > start))
+    if minimum < 3 or not samples >= minimum:
         return BatchMeans(np.nan, np.nan, np.nan, 0)
-    edges = np.linspace(start, time[-1], minimum + 1)
+    wanted = min(2 * minimum, samples)
+    edges: np.ndarray = np.linspace(start, time[-1], wanted + 1)
     if release_interval > 0.0:
         end = _quiet_end(time, cumulative, start, release_interval)
         intervals = int((end - start) / release_interval * (1.0 + ROUNDING_OF_TIMES))
         if intervals >= minimum:
-            each = intervals // minimum
+            each = max(1, intervals // wanted)
             places = np.arange(intervals // each, -1, -1)
             edges = end - each * release_interval * places
     number = edges.size - 1
     length = (edges[-1] - edges[0]) / number
     means = np.diff(np.interp(edges, time, cumulative)) / length
     lag1 = lag1_correlation(means - means.mean())
-    stderr = float(means.std(ddof=1) / np.sqrt(number)) * correlation_factor(lag1, number)
+    factor = correlation_factor(lag1, number) ** 2
+    if factor == 1.0:
+        factor = max(1.0 + 2.0 * lag1, LEAST_FACTOR)
+    stderr = math.sqrt(float(means.var(ddof=1)) * factor / (number - 2))
     return BatchMeans(float(means.mean()), stderr, lag1, number)
 
 

@@ -28,9 +28,9 @@ an error of 2 %. It is the number at which the error reaches the target if the w
 particles scatters by 35 %. Some of a case are rare and wear much more than the others; a record
 of fewer particles may hold none of them and then seems to be known better than it is."""
 
-WELL_BELOW = 0.7
+WELL_BELOW = 0.67
 """Share of the target below which one look is enough. The upper 95 % bound of a standard error
-from 20 batches is 1.37 times its estimate, so the true one is then below the target."""
+from 40 batches is 1.5 times its estimate, so the true one is then below the target."""
 
 
 class SteadyPart:
@@ -61,7 +61,7 @@ class SteadyPart:
         found = batch_means(time, worn, self.start, release_interval=release_interval)
         known = found.batches > 0 and found.rate > 0.0
         self.rate = found.rate
-        self.batches = found.batches
+        self.freedom = found.freedom
         self.relative_stderr = found.stderr / found.rate if known else math.inf
 
     def complete(self, maps: int) -> bool:

@@ -37,21 +37,29 @@ def advance(problem, schedule, state, last_step):
     state = borrowed_state(state)
     tally = state.tally[0]
     while tally.step < last_step:
-        if tally.gone > 16 + tally.live // 8:
-            compact(state)
-        if tally.step >= tally.next_release:
-            before = tally.live
-            outcome = release_due(problem, schedule, state, None)
-            for new in range(before, tally.live):
-                if not append_pairs(problem, state, new):
-                    return STOP_CROWDED
-            if outcome != DONE:
-                return outcome
-        until = min(last_step, tally.next_release, tally.step + LONGEST_PIECE)
-        outcome = _steps(problem, state, until)
+        outcome = prepare(problem, schedule, state)
+        if outcome == DONE:
+            until = min(last_step, tally.next_release, tally.step + LONGEST_PIECE)
+            outcome = _steps(problem, state, until)
         if outcome != DONE:
             return outcome
     return DONE
+
+
+@kernel
+def prepare(problem, schedule, state):
+    """Close gaps and release the particles that are due before steps; return the outcome."""
+    tally = state.tally[0]
+    if tally.gone > 16 + tally.live // 8:
+        compact(state)
+    if tally.step < tally.next_release:
+        return DONE
+    before = tally.live
+    outcome = release_due(problem, schedule, state, None)
+    for new in range(before, tally.live):
+        if not append_pairs(problem, state, new):
+            return STOP_CROWDED
+    return outcome
 
 
 @kernel
@@ -103,7 +111,9 @@ def _touch_walls(problem, state, mesh):
     """Contacts with the plate or, if there is one, with the surface."""
     tally, particles, facet_wear = state.tally[0], state.particles, state.facet_wear
     if mesh is not None:
-        touch_surface(problem, state, mesh, tally.step + 1, None, tally.live)
+        touch_surface(
+            problem, particles, state.tally, facet_wear, mesh, tally.step + 1, None, tally.live
+        )
         return
     for i in range(tally.live):
         particle = particles[i]

@@ -60,7 +60,9 @@ FIGURES: dict[str, Entry] = {
         "simulation set-up",
         "setup:draw",
         "The simulation at one time step of the typical case (``figures.typical`` in the "
-        "configuration): plate, factory patch and particles, and the wear of the plate as a map.",
+        "configuration): plate, factory patch and particles, and the wear of the plate as a map. "
+        "Of a geometry: parts, factory, jet and particles in space, and from the side with angles "
+        "and the limits beyond which particles are removed.",
     ),
     "generation": Entry(
         SETUP,

@@ -19,7 +19,12 @@ LOG_SPAN = 30.0
 
 
 def coefficients_figure(
-    coefficients: pd.DataFrame, model: dict, element_size: float | None = None, known: bool = True
+    coefficients: pd.DataFrame,
+    model: dict,
+    element_size: float | None = None,
+    known: bool = True,
+    cells: bool = False,
+    part: str | None = None,
 ) -> Figure:
     """Standardised coefficients with intervals as bars: X1 to X10, X11 to X20.
 
@@ -29,10 +34,8 @@ def coefficients_figure(
         From `abradem.learning.baselines.linear.fit_linear`.
     model : dict
         Summary of the model.
-    element_size : float, optional
-        Edge of the elements of the target, m.
-    known : bool
-        Whether the name of the target says what it is.
+    element_size, known, cells, part
+        Of the target, see `abradem.words.wear.WearTarget`.
 
     Returns
     -------
@@ -43,13 +46,13 @@ def coefficients_figure(
     with style.style():
         figure, axes = style.panels(2, 1, 2.2)
         half = (len(coefficients) + 1) // 2
-        words = _target_words(model, element_size, known)
+        words = _target_words(model, element_size, known, cells, part)
         # Both panels have the same vertical axis.
         limit = _coefficient_limit(coefficients)
         parts = (coefficients.iloc[:half], coefficients.iloc[half:])
-        for index, (panel, part) in enumerate(zip(axes, parts, strict=True)):
-            _coefficient_panel(panel, part, limit)
-            first, last = part["symbol"].iloc[0], part["symbol"].iloc[-1]
+        for index, (panel, half_of) in enumerate(zip(axes, parts, strict=True)):
+            _coefficient_panel(panel, half_of, limit)
+            first, last = half_of["symbol"].iloc[0], half_of["symbol"].iloc[-1]
             panel.set_title(f"{style.letter(index)} {first} to {last}", loc="left")
             panel.set_ylabel("Standardised coefficient")
         handles: list = [*style.feature_handles()]
@@ -64,7 +67,12 @@ def coefficients_figure(
 
 
 def predicted_figure(
-    predictions: pd.DataFrame, model: dict, element_size: float | None = None, known: bool = True
+    predictions: pd.DataFrame,
+    model: dict,
+    element_size: float | None = None,
+    known: bool = True,
+    cells: bool = False,
+    part: str | None = None,
 ) -> Figure:
     """Predicted against simulated wear of held-out cases, with the 1:1 line.
 
@@ -75,10 +83,8 @@ def predicted_figure(
         protocol of the model are shown.
     model : dict
         Summary of the model.
-    element_size : float, optional
-        Edge of the elements of the target, m.
-    known : bool
-        Whether the name of the target says what it is.
+    element_size, known, cells, part
+        Of the target, see `abradem.words.wear.WearTarget`.
 
     Returns
     -------
@@ -131,7 +137,7 @@ def predicted_figure(
         splits = model["splits"]
         style.caption(
             figure,
-            f"{_target_words(model, element_size, known)}; {model['model']} model, "
+            f"{_target_words(model, element_size, known, cells, part)}; {model['model']} model, "
             f"{PROTOCOLS[model['protocol']]} protocol, {splits['rows']} cases; held-out cases of "
             f"{splits['repeats']} random splits ({splits['train']} train, {splits['test']} test), "
             "one fit per split",
@@ -205,8 +211,8 @@ def _coefficient_words(
     return [first, second]
 
 
-def _target_words(model: dict, element_size: float | None, known: bool) -> str:
-    words = WearTarget(model["target"]["name"], element_size, known).explained
+def _target_words(model: dict, *place) -> str:
+    words = WearTarget(model["target"]["name"], *place).explained
     return words[0].upper() + words[1:]
 
 

@@ -252,6 +252,10 @@ def _label_of(row) -> Label:
     return (LABELS if row.kind == "quantity" else GROUP_LABELS)[row.term]
 
 
+LOGARITHM = r"\ln "
+"""What the symbol of a group begins with that is a logarithm."""
+
+
 def _law(known: pd.DataFrame) -> str:
     """The equation of the power law in mathematical text, in two lines.
 
@@ -264,6 +268,15 @@ def _law(known: pd.DataFrame) -> str:
         (r"\mu_s", "log_static_friction"), (r"\mu_r", "log_rolling_friction"),
         (r"(1+e)", "log_rebound"),
     ]  # fmt: skip
+    terms = [(r"\cos\theta", "jet_width"), (r"\varphi", "plate_angle"),
+             (r"\varphi^2", "plate_angle_squared")]  # fmt: skip
+    of_plate = {"constant", *(term for _, term in (*powers, *terms))}
+    for term in (one for one in value.index if one in GROUP_LABELS and one not in of_plate):
+        tex = GROUP_LABELS[term].tex
+        if term.startswith("log_"):
+            powers.append((f"({tex.removeprefix(LOGARITHM)})", term))
+        else:
+            terms.append((rf"\,{tex}", term))
     first, second = (
         r"\;".join(
             f"{base}^{{\\,{number_or_words(value[term], '.2f')}}}"
@@ -272,8 +285,6 @@ def _law(known: pd.DataFrame) -> str:
         )
         for part in (powers[:5], powers[5:])
     )
-    terms = ((r"\cos\theta", "jet_width"), (r"\varphi", "plate_angle"),
-             (r"\varphi^2", "plate_angle_squared"))  # fmt: skip
     total = "".join(f"{value[term]:+.2f}{symbol}" for symbol, term in terms if term in value)
     scale = r"\frac{W \dot m v^2}{2A}"
     constant = (

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from abradem.dem.surface import Feed
+
 LIGHT = np.array([0.35, -1.0, -0.45]) / np.linalg.norm([0.35, -1.0, -0.45])
 """Direction of the light."""
 
@@ -149,6 +151,14 @@ class Patch:
         return centre + np.array([-along - across, along - across, along + across, -along + across])
 
 
+def patch_corners(feed: Feed) -> np.ndarray:
+    """Corners of the factory patch in order, shape (4, 3), m."""
+    along, across = 0.5 * np.array(feed.along), 0.5 * np.array(feed.across)
+    return np.array(feed.centre) + np.array(
+        [-along - across, along - across, along + across, across - along]
+    )
+
+
 def picture(
     camera: Camera,
     plate: DrawnPlate,
@@ -189,20 +199,20 @@ def picture(
     _draw_plate(image, depth, fine, plate, _shadows(plate, centres, radius))
     tints = np.ones(len(centres)) if tints is None else tints
     for centre, tint in zip(centres, tints, strict=True):
-        _draw_sphere(image, depth, fine, centre, radius, tint * PARTICLE)
+        draw_sphere(image, depth, fine, centre, radius, tint * PARTICLE)
     if patch is not None:
         _draw_patch(image, depth, fine, patch)
     image = image.reshape(camera.height, finer, camera.width, finer, 3).mean(axis=(1, 3))
     return np.clip(image, 0.0, 1.0)
 
 
-def _lit(normals: np.ndarray, shadow=0.0) -> np.ndarray:
+def lit(normals: np.ndarray, shadow=0.0) -> np.ndarray:
     """Brightness of surfaces from ambient and directed light."""
     sky = _AMBIENT * (0.8 + 0.2 * normals[..., 1])
     return sky + _DIFFUSE * np.clip(-(normals @ LIGHT), 0.0, 1.0) * (1.0 - shadow)
 
 
-def _window(corners: np.ndarray, camera: Camera) -> tuple[slice, slice] | None:
+def window_of(corners: np.ndarray, camera: Camera) -> tuple[slice, slice] | None:
     """Rows and columns of the picture around some pixels; None if all are outside of it."""
     low = np.floor(corners.min(axis=0)).astype(int) - 1
     high = np.ceil(corners.max(axis=0)).astype(int) + 2
@@ -213,7 +223,8 @@ def _window(corners: np.ndarray, camera: Camera) -> tuple[slice, slice] | None:
     return rows, columns
 
 
-def _draw_sphere(image, depth, camera, centre, radius, colour) -> None:
+def draw_sphere(image, depth, camera, centre, radius, colour) -> None:
+    """Draw a sphere into a picture (height, width, 3) with the depth of each pixel, m."""
     forward = camera.axes[2]
     away = float((centre - camera.eye) @ forward)
     if away <= radius:
@@ -221,7 +232,7 @@ def _draw_sphere(image, depth, camera, centre, radius, colour) -> None:
     # In perspective the outline is slightly larger than the projected radius.
     half = 1.15 * camera.focal * radius / (away - radius)
     middle = camera.project(centre)[0]
-    window = _window(np.array([middle - half, middle + half]), camera)
+    window = window_of(np.array([middle - half, middle + half]), camera)
     if window is None:
         return
     rays = camera.rays(*window)
@@ -239,14 +250,14 @@ def _draw_sphere(image, depth, camera, centre, radius, colour) -> None:
     half_way = sight - LIGHT
     half_way /= np.linalg.norm(half_way, axis=1)[:, None]
     gloss = _GLOSS * np.clip((normals * half_way).sum(axis=1), 0.0, 1.0) ** 40
-    image[window][seen] = _lit(normals)[:, None] * colour + gloss[:, None]
+    image[window][seen] = lit(normals)[:, None] * colour + gloss[:, None]
     depth[window][seen] = t[seen]
 
 
 def _meet(camera, corner, edge_u, edge_v):
     """Intersection of rays and parallelogram: window, depth, shares along the edges, hits."""
     corners = np.array([corner, corner + edge_u, corner + edge_v, corner + edge_u + edge_v])
-    window = _window(camera.project(corners), camera)
+    window = window_of(camera.project(corners), camera)
     if window is None:
         return None
     rays = camera.rays(*window)
@@ -278,7 +289,7 @@ def _draw_plate(image, depth, camera, plate, shadows) -> None:
             continue
         window, t, _, _, met = found
         seen = met & (t < depth[window])
-        image[window][seen] = _lit(normal / np.linalg.norm(normal)) * STEEL
+        image[window][seen] = lit(normal / np.linalg.norm(normal)) * STEEL
         depth[window][seen] = t[seen]
     found = _meet(camera, corner, along, across)
     if found is None:
@@ -291,7 +302,7 @@ def _draw_plate(image, depth, camera, plate, shadows) -> None:
     # The colours of the wear map are data, so the light on the slope does not change them.
     brightness = 1.0 - 0.45 * shadow
     if (camera.eye @ up) < 0.0:
-        image[window][seen] = _lit(-up) * STEEL
+        image[window][seen] = lit(-up) * STEEL
     else:
         image[window][seen] = brightness[:, None] * plate.colours[i, j]
     depth[window][seen] = t[seen]

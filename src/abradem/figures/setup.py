@@ -33,7 +33,7 @@ _MAP = (0.69, 0.28, 0.205, 0.205 * style.PAGE / HEIGHT)
 def draw(
     particles: pd.DataFrame, wear: pd.DataFrame, case: Mapping, setup: Mapping, measure: str
 ) -> Figure:
-    """Draw `setup_figure` from the last snapshot of a case.
+    """Draw `setup_figure`, or that of a geometry, from the last snapshot of a case.
 
     Parameters
     ----------
@@ -45,6 +45,10 @@ def draw(
         Wear measure.
     """
     values = Setup.from_dict(setup)
+    if values.geometry is not None:
+        from abradem.figures.setup_geometry import geometry_figure
+
+        return geometry_figure(particles, wear, case, values, measure)
     times, depth = depth_frames(wear, case, values, measure)
     last = particles[particles["time"] == times[-1]]
     return setup_figure(last, depth[-1], times[-1], case, values, measure)
@@ -162,12 +166,22 @@ def wear_map_panel(panel: Axes, depth: np.ndarray, top: float, setup: Setup):
 
 def _camera(plate: DrawnPlate, patch: Patch, scene: Axes) -> Camera:
     """A camera that shows the whole plate and the patch, with sufficient pixels for print."""
-    box = scene.get_window_extent()
-    scale = style.DPI / scene.figure.dpi
-    width, height = round(box.width * scale), round(box.height * scale)
-    shown = np.array(
-        [*patch.corners(), *(plate.point(i, j) for i in (-1.0, 1.0) for j in (-1.0, 1.0))]
-    )
+    ends = [plate.point(i, j) for i in (-1.0, 1.0) for j in (-1.0, 1.0)]
+    return framed(np.array([*patch.corners(), *ends]), *pixels_of(scene), _MARGIN)
+
+
+def pixels_of(panel: Axes) -> tuple[int, int]:
+    """Width and height of a panel in pixels of print."""
+    box = panel.get_window_extent()
+    scale = style.DPI / panel.figure.dpi
+    return round(box.width * scale), round(box.height * scale)
+
+
+def framed(shown: np.ndarray, width: int, height: int, margin: float) -> Camera:
+    """A camera that shows points (n, 3), m, in the middle of a picture of that many pixels.
+
+    ``margin`` is the size of the picture in that of the points.
+    """
     target = 0.5 * (shown.min(axis=0) + shown.max(axis=0))
     eye = _EYE / np.linalg.norm(_EYE)
     view = float(np.ptp(shown, axis=0).max())
@@ -178,7 +192,7 @@ def _camera(plate: DrawnPlate, patch: Patch, scene: Axes) -> Camera:
     centre = 0.5 * (pixels.min(axis=0) + pixels.max(axis=0)) - 0.5 * np.array([width, height])
     target = target + (centre[0] * right - centre[1] * up) * view / height
     fill = np.ptp(pixels, axis=0) / np.array([width, height])
-    view *= _MARGIN * float(fill.max())
+    view *= margin * float(fill.max())
     return Camera(target + _DISTANCE * view * eye, target, view, width, height)
 
 

@@ -19,6 +19,7 @@ from abradem.dem.surface import Surface
 from abradem.figures import style
 from abradem.figures.wear_colours import WEAR_MAP
 from abradem.geometry.build import case_surface
+from abradem.geometry.outline import outline
 from abradem.geometry.unrolled import unrolled_part
 from abradem.units import MM_PER_M
 
@@ -129,9 +130,10 @@ def _space(panel, surface: Surface, faces: np.ndarray) -> None:
     places = MM_PER_M * surface.vertices[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
     drawn = Poly3DCollection(places[surface.triangles], facecolors=faces, edgecolors="none")
     panel.add_collection3d(drawn)
-    panel.add_collection3d(
-        Line3DCollection(places[_rims(surface)], colors=style.GREY, linewidths=0.4)
-    )
+    lines = MM_PER_M * outline(surface, surface.vertices[surface.triangles])
+    if len(lines):
+        drawn_lines = lines[..., [0, 2, 1]] * (1.0, -1.0, 1.0)
+        panel.add_collection3d(Line3DCollection(drawn_lines, colors=style.GREY, linewidths=0.4))
     low, high = places.min(axis=0), places.max(axis=0)
     middle = 0.5 * (low + high)
     half = 0.5 * np.maximum(high - low, 0.05 * (high - low).max())
@@ -150,14 +152,6 @@ def _space(panel, surface: Surface, faces: np.ndarray) -> None:
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
         axis._axinfo["grid"].update(color=(0.0, 0.0, 0.0, 0.08), linewidth=0.4)
     panel.tick_params(labelsize=5.5, pad=-2.0)
-
-
-def _rims(surface: Surface) -> np.ndarray:
-    """Edges of the parts, shape (n, 2): those that one triangle of a part alone has."""
-    ends = np.sort(surface.triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
-    keyed = np.column_stack([np.repeat(surface.part, 3), ends])
-    edges, count = np.unique(keyed, axis=0, return_counts=True)
-    return edges[count == 1, 1:]
 
 
 def _flat_parts(surface: Surface, worn: np.ndarray) -> list[tuple[int, np.ndarray]]:

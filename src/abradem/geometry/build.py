@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,7 @@ import numpy as np
 from abradem.dem.model import Setup
 from abradem.dem.surface import Feed, Surface, cell_areas
 from abradem.geometry.feed import check_box, check_jet, feed_above
-from abradem.geometry.kinds import Geometry, Motion, geometry_of
+from abradem.geometry.kinds import Geometry, MeshFile, Motion, geometry_of
 from abradem.geometry.shape import GeometryError, Shape, divided
 
 MOST_CELLS = 200_000
@@ -33,8 +35,37 @@ def surface_of(geometry: Geometry, size: float) -> Surface:
     GeometryError
         If the file cannot be used, a part that moves is unknown, or there would be too many cells.
     """
-    shape = divided(geometry.shape(size), math.sqrt(2.0) * size, MOST_CELLS)
+    return _remembered(_surface, geometry, size)
+
+
+def _shape(geometry: Geometry, size: float, stamp: tuple) -> Shape:
+    return geometry.shape(size)
+
+
+def _surface(geometry: Geometry, size: float, stamp: tuple) -> Surface:
+    shape = divided(_remembered(_shape, geometry, size), math.sqrt(2.0) * size, MOST_CELLS)
     return moving(shape, geometry.motions())
+
+
+_MEMORY = {make: lru_cache(maxsize=4)(make) for make in (_shape, _surface)}
+"""The last shapes and surfaces; the cases of a study often have the same."""
+
+
+def _remembered(make: Callable, geometry: Geometry, size: float) -> Any:
+    try:
+        hash(geometry)
+    except TypeError:
+        # Made in Python, with a list in place of a tuple.
+        return make(geometry, size, ())
+    return _MEMORY[make](geometry, size, _stamp(geometry))
+
+
+def _stamp(geometry: Geometry) -> tuple:
+    """What tells versions of the file of a geometry apart, or ()."""
+    if isinstance(geometry, MeshFile) and (path := Path(geometry.file)).is_file():
+        state = path.stat()
+        return state.st_mtime_ns, state.st_size
+    return ()
 
 
 def moving(shape: Shape, motions: list[Motion]) -> Surface:
@@ -120,20 +151,31 @@ def factory_of(setup: Setup, values: Mapping[str, float]) -> Feed:
     return _placed(setup, values)[1]
 
 
-def _placed(setup: Setup, values: Mapping[str, float]) -> tuple[Geometry, Feed, Any]:
-    """Geometry, factory and removal box of a case, which fit each other."""
+def geometry_described(setup: Setup, values: Mapping[str, float]) -> Geometry:
+    """Return the geometry of a set-up with the values of a case for its sampled quantities.
+
+    Raises
+    ------
+    GeometryError
+        If it cannot be used.
+    """
     given = setup.geometry
-    options = {} if not isinstance(given, Mapping) else {**given}
-    described = options.pop("shape", given)
-    geometry = described
+    described = given.get("shape", given) if isinstance(given, Mapping) else given
     if isinstance(described, Mapping):
-        geometry = geometry_of(filled_in(described, values))
-    elif not isinstance(described, Geometry):
+        return geometry_of(filled_in(described, values))
+    if not isinstance(described, Geometry):
         raise GeometryError(
             f'geometry = {described!r} (allowed: a mapping such as {{"kind": "mesh", "file": '
             '"chute.stl"})'
         )
-    coarse = geometry.shape(setup.facet_size)
+    return described
+
+
+def _placed(setup: Setup, values: Mapping[str, float]) -> tuple[Geometry, Feed, Any]:
+    """Geometry, factory and removal box of a case, which fit each other."""
+    options: Mapping[str, Any] = setup.geometry if isinstance(setup.geometry, Mapping) else {}
+    geometry = geometry_described(setup, values)
+    coarse = _remembered(_shape, geometry, setup.facet_size)
     check_particle(coarse, values["particle_radius"])
     feed = feed_above(
         coarse,

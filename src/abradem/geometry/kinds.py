@@ -192,23 +192,15 @@ class MeshFile:
 
 
 @dataclass(frozen=True)
-class Screw:
+class Screw(ScrewSize):
     """A screw conveyor along x that conveys to x = 0, see `abradem.geometry.screw`.
 
     Parameters
     ----------
-    length, radius, shaft_radius, pitch, clearance, rim : float
-        m.
     revolutions : float
         rev/min.
     """
 
-    length: float
-    radius: float
-    shaft_radius: float
-    pitch: float
-    clearance: float
-    rim: float
     revolutions: float
 
     def __post_init__(self):
@@ -219,12 +211,7 @@ class Screw:
 
     def shape(self, size: float) -> Shape:
         """Return the triangles, with facets of at most ``size``, m."""
-        return screw(
-            ScrewSize(
-                self.length, self.radius, self.shaft_radius, self.pitch, self.clearance, self.rim
-            ),
-            size,
-        )
+        return screw(self, size)
 
     def motions(self) -> list[Motion]:
         """Return the rotation of flight and shaft about x."""

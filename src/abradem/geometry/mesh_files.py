@@ -75,33 +75,107 @@ def _loaded(path: Path) -> Shape:
     if path.suffix.lower() not in SUFFIXES:
         raise GeometryError(f"{path}: is not a mesh file (allowed: {', '.join(SUFFIXES)})")
     if not path.is_file():
-        raise GeometryError(f"{path}: there is no such file (allowed: a mesh file)")
+        reason = "is a folder" if path.is_dir() else "there is no such file"
+        raise GeometryError(f"{path}: {reason} (allowed: a mesh file)")
     # Imported here, as it takes a second and only meshes need it.
     import trimesh
 
     try:
-        scene = trimesh.load_scene(path, process=False, split_objects=True, group_material=False)
+        # Coordinates that are no numbers are told below.
+        with np.errstate(all="ignore"):
+            scene = trimesh.load_scene(
+                path, process=False, split_objects=True, group_material=False
+            )
         meshes = {
             name: mesh for name, mesh in scene.geometry.items() if isinstance(mesh, trimesh.Trimesh)
         }
     except Exception as error:
         # Readers of trimesh fail with errors of many types.
         words = " ".join(str(error).split())[:120] or type(error).__name__
+        words = stl_damage(path) or words
         raise GeometryError(f"{path}: cannot be read as a mesh: {words}") from None
     shapes = [
         Shape(
             np.asarray(mesh.vertices, dtype=float),
             np.asarray(mesh.faces, dtype=np.int64),
             np.zeros(len(mesh.faces), dtype=np.int64),
-            (str(name) if len(meshes) > 1 else path.stem,),
+            (str(name) if len(meshes) > 1 else _only_name(path),),
         )
         for name, mesh in sorted(meshes.items())
         if len(mesh.faces)
     ]
     count = sum(len(shape.triangles) for shape in shapes)
-    if not 1 <= count <= MOST_TRIANGLES:
-        raise GeometryError(f"{path}: has {count} triangles (allowed 1 ... {MOST_TRIANGLES})")
+    if not count:
+        words = stl_damage(path) or "it has no triangles (allowed: at least one)"
+        raise GeometryError(f"{path}: cannot be read as a mesh: {words}")
+    # A solid that is cut off is left out without a word.
+    begun = path.read_bytes().count(b"facet normal") if path.suffix.lower() == ".stl" else 0
+    if begun > count:
+        raise GeometryError(
+            f"{path}: cannot be read as a mesh: of its {begun} facets {begun - count} are in a "
+            "solid that is cut off (allowed: an endsolid after each)"
+        )
+    if count > MOST_TRIANGLES:
+        raise GeometryError(f"{path}: has {count} triangles (allowed up to {MOST_TRIANGLES})")
     return combined(shapes)
+
+
+def _only_name(path: Path) -> str:
+    """Name of the only solid of an STL file or object of an OBJ file, or of the file."""
+    with open(path, "rb") as file:
+        begin = file.read(4096)
+    words = (b"o", b"g") if path.suffix.lower() == ".obj" else (b"solid",)
+    if path.suffix.lower() == ".stl" and b"facet" not in begin:
+        # The first 80 bytes of a binary file may say anything.
+        return path.stem
+    for line in begin.splitlines() if path.suffix.lower() != ".ply" else []:
+        word, _, name = line.strip().partition(b" ")
+        if word in words and (text := name.decode("ascii", "replace").strip()):
+            return text
+    return path.stem
+
+
+def stl_damage(path: Path) -> str:
+    """Return what is wrong with an STL file that gives no triangles, or ""."""
+    if path.suffix.lower() != ".stl":
+        return ""
+    content = path.read_bytes()
+    if not content:
+        return "the file is empty"
+    text = content.decode("ascii", "replace")
+    if text.lstrip().startswith("solid") and "facet" in text:
+        for number, line in enumerate(text.splitlines(), 1):
+            word, *values = line.split() or [""]
+            if word == "vertex" and not (len(values) == 3 and all(map(_is_number, values))):
+                return (
+                    f"line {number}: {line.strip()[:60]!r} (allowed: vertex and three numbers with "
+                    "a decimal point)"
+                )
+        return "it is cut off: no endsolid closes its last solid" if "endsolid" not in text else ""
+    if text.lstrip().startswith("solid"):
+        return "it has no triangles (allowed: at least one)"
+    if text.isprintable() or len(content) < _STL_HEAD:
+        return f"it is no STL file, it begins with {text.splitlines()[0][:40]!r}"
+    count = int.from_bytes(content[_STL_HEAD - 4 : _STL_HEAD], "little")
+    expected = _STL_HEAD + _STL_TRIANGLE * count
+    if len(content) == expected:
+        return ""
+    return (
+        f"it is cut off or no STL file: {count} triangles are {expected} bytes, and it has "
+        f"{len(content)}"
+    )
+
+
+_STL_HEAD, _STL_TRIANGLE = 84, 50
+"""Bytes of a binary STL file: of its head, which ends with the number of triangles, and of each."""
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _check_extent(path: Path, extent: float, unit: str) -> None:
@@ -119,6 +193,8 @@ def _check_extent(path: Path, extent: float, unit: str) -> None:
 
 
 def _clean(path: Path, shape: Shape, repair: bool) -> Shape:
+    if degenerate(shape).all():
+        raise GeometryError(f"{path}: no triangle has an area (allowed: at least one)")
     for name, find in (("without area", degenerate), ("that are in it twice", given_twice)):
         wrong = find(shape)
         if wrong.any() and not repair:
@@ -128,8 +204,6 @@ def _clean(path: Path, shape: Shape, repair: bool) -> Shape:
                 "them out)"
             )
         shape = selected(shape, ~wrong)
-    if not len(shape.triangles):
-        raise GeometryError(f"{path}: no triangle has an area (allowed: at least one)")
     return shape
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,10 +11,11 @@ from abradem.geometry.shape import GeometryError, Shape, combined, degenerate, s
 from abradem.geometry.shapes import grid
 
 
-class ScrewSize(NamedTuple):
+@dataclass(frozen=True)
+class ScrewSize:
     """Dimensions of a screw conveyor; its axis is the x axis.
 
-    Attributes
+    Parameters
     ----------
     length : float
         From one end of the flight to the other, m.

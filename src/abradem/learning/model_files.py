@@ -24,7 +24,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.learning.rows import Scaler, Table
-from abradem.quantities import FEATURE_NAMES, quantity
+from abradem.quantities import quantity
 from abradem.store.files import TableError, read_arrays, read_json, write_arrays, write_json
 from abradem.store.tables import write_table
 
@@ -59,12 +59,12 @@ def about(
         Further entries, such as hyper-parameters and scores.
     """
     rows = np.arange(len(table.target)) if rows is None else rows
-    columns = np.arange(len(FEATURE_NAMES)) if columns is None else columns
+    columns = np.arange(len(table.names)) if columns is None else columns
     of_features, of_target = scalers
     means, scales = np.atleast_1d(of_features.mean), np.atleast_1d(of_features.scale)
     features = []
     for place, column in enumerate(columns):
-        row, values = quantity(FEATURE_NAMES[column]), table.features[rows, column]
+        row, values = quantity(table.names[column]), table.features[rows, column]
         features.append(
             {
                 "symbol": row.symbol,

@@ -43,7 +43,7 @@ class Region(NamedTuple):
     high: float
 
     def holds(self, inputs: np.ndarray) -> np.ndarray:
-        """Whether each case with sampled quantities (n, 14) is in the region, shape (n,)."""
+        """Whether each case with sampled quantities (n, m) is in the region, shape (n,)."""
         value = np.abs(inputs[:, SAMPLED_NAMES.index(self.quantity)])
         return (value >= self.low) & (value < self.high)
 
@@ -53,10 +53,12 @@ def regions_of(inputs: np.ndarray) -> list[Region]:
 
     Parameters
     ----------
-    inputs : ndarray, shape (n, 14)
-        The sampled quantities in the units of `abradem.quantities`.
+    inputs : ndarray, shape (n, m)
+        The sampled quantities in the units of `abradem.quantities`; those of `SAMPLED_NAMES` are
+        the first.
     """
-    fixed = of_kind(SAMPLED_NAMES, variation(inputs, SAMPLED_NAMES), HELD_FIXED)
+    sampled = inputs[:, : len(SAMPLED_NAMES)]
+    fixed = of_kind(SAMPLED_NAMES, variation(sampled, SAMPLED_NAMES), HELD_FIXED)
     found = []
     if ANGLE not in fixed:
         ends = (0.0, *ANGLES, np.inf)

@@ -9,7 +9,7 @@ import pandas as pd
 
 from abradem.dataset.variation import held_fixed, scales_of, settled, variation
 from abradem.learning.repeated_rows import groups_of_rows
-from abradem.quantities import FEATURE_NAMES, TARGET
+from abradem.quantities import FEATURE_NAMES, GEOMETRY_NAMES, TARGET
 from abradem.store.columns import COLUMNS
 from abradem.store.tables import content_hash
 
@@ -33,9 +33,9 @@ class Table(NamedTuple):
     ----------
     keys : ndarray, shape (n,)
         Case numbers.
-    features : ndarray, shape (n, 20)
-        In the order of `FEATURE_NAMES` and in the units of `abradem.quantities`. Features that
-        were held fixed have exactly the same value in all rows.
+    features : ndarray, shape (n, 20 and those of a geometry)
+        In the order of ``names`` and in the units of `abradem.quantities`. Features that were held
+        fixed have exactly the same value in all rows.
     groups : ndarray of int, shape (n,)
         Group of each row; rows of a group repeat one another, see
         `abradem.learning.repeated_rows.groups_of_rows`.
@@ -45,6 +45,8 @@ class Table(NamedTuple):
         Name of the data set in the scores.
     hash : str
         Hash of the rows.
+    names : tuple of str
+        `FEATURE_NAMES`, and the sampled quantities of a geometry.
     """
 
     keys: np.ndarray
@@ -55,11 +57,12 @@ class Table(NamedTuple):
     unit: str
     name: str
     hash: str
+    names: tuple[str, ...] = FEATURE_NAMES
 
     @property
     def variation(self) -> np.ndarray:
         """What the rows say about each feature of a linear model, by `variation`."""
-        return variation(self.features, FEATURE_NAMES, linear=True)
+        return variation(self.features, self.names, linear=True)
 
     @property
     def varied(self) -> np.ndarray:
@@ -98,7 +101,7 @@ def learning_table(
     Parameters
     ----------
     dataset : pandas.DataFrame
-        Holds case_id, the 20 features and ``target``.
+        Holds case_id, the 20 features, the sampled quantities of a geometry and ``target``.
     target : str
         A wear-rate column, mm/s.
     name : str
@@ -115,13 +118,14 @@ def learning_table(
     if target not in dataset:
         raise ValueError(f"dataset: lacks the target {target}")
     dataset = dataset.sort_values("case_id", ignore_index=True)
-    x = dataset[list(FEATURE_NAMES)].to_numpy(dtype=float)
+    names = (*FEATURE_NAMES, *(name for name in GEOMETRY_NAMES if name in dataset))
+    x = dataset[list(names)].to_numpy(dtype=float)
     y = dataset[target].to_numpy(dtype=float)
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
         raise ValueError("dataset: features and target must be finite")
     if len(y) < fewest:
         raise ValueError(f"dataset: {len(y)} rows are too few to learn from, {fewest} are needed")
-    x = settled(x, scales_of(FEATURE_NAMES))
+    x = settled(x, scales_of(names))
     if held_fixed(x).all():
         raise ValueError(NOTHING_VARIED)
     return Table(
@@ -132,7 +136,8 @@ def learning_table(
         target_name=target,
         unit=COLUMNS[target].unit,
         name=name,
-        hash=content_hash(dataset[["case_id", *FEATURE_NAMES, target]]),
+        hash=content_hash(dataset[["case_id", *names, target]]),
+        names=names,
     )
 
 

@@ -48,7 +48,7 @@ BEDS = (
 
 FLAGS = {
     "overlap": "an overlap exceeded 5 % of the radius, which strains the contact law",
-    "shortfall": "less than 95 % of the feed could be placed at the factory",
+    "shortfall": "less than 95 % of the feed could be placed, although what finds no room waits",
     "stderr": "the relative standard error is above its target",
     "unsteady": "no steady state was reached, or the wear rate still drifts at the end",
 }

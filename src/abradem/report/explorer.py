@@ -9,7 +9,6 @@ brings.
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,17 +16,19 @@ import numpy as np
 import pandas as pd
 
 from abradem.dataset.variation import SAME, held_fixed, scales_of
-from abradem.quantities import SAMPLED, SAMPLED_NAMES
-from abradem.report.explorer_parts import FILES
-from abradem.report.page_data import data_in_script, filled, in_script, stored
+from abradem.quantities import quantity
+from abradem.report.page_data import stored, whole_page
+from abradem.report.page_files import EXPLORER_FILES
 from abradem.surrogate.domain import HARMLESS, NEIGHBOURS, SLACK, Domain
+from abradem.surrogate.geometry_groups import numbers_of, places_of, sampled_names
+from abradem.surrogate.groups import Jet, input_names
 from abradem.surrogate.javascript import group_functions
 from abradem.surrogate.maps import MapSurrogate
 from abradem.surrogate.model import Surrogate
 from abradem.surrogate.networks import RateModel
 from abradem.units import accepted, conversion
 from abradem.words.labels import LABELS
-from abradem.words.wear import WearTarget, wear_words
+from abradem.words.wear import WearTarget, place_of
 
 MOST_CASES = 2000
 """Largest number of simulated cases in the page, the first of the study."""
@@ -47,7 +48,15 @@ SECTIONS = {
         "equipment_density",
     ),
 }  # fmt: skip
-"""The sampled quantities in the order of the page."""
+"""The sampled quantities in the order of the page; those of a geometry follow the angles."""
+
+BESIDE = (
+    "plate_angle", "factory_angle", "particle_radius", "particle_velocity_y", "archard_constant",
+)  # fmt: skip
+"""Quantities that are shown beside the nearest cases of a plate."""
+
+MOST_BESIDE = 5
+"""Largest number of quantities that are shown beside the nearest cases of a geometry."""
 
 
 def explorer_page(
@@ -71,22 +80,11 @@ def explorer_page(
     presets : mapping of str to mapping
         Values of the quantities of each preset of materials.
     """
-    from plotly.offline import get_plotlyjs
-
     description, arrays = model
     data = explorer_data(description, arrays, maps, dataset, study, presets)
-    parts = {path.name: path.read_text(encoding="utf-8") for path in FILES}
     functions = group_functions(Surrogate(description, arrays).jet)
-    texts = {
-        "title": html.escape(f"Wear explorer: {study}"),
-        "style": parts["style.css"],
-        "data": data_in_script(data),
-        "plotly": in_script(get_plotlyjs()),
-        "functions": functions,
-        "model": in_script(parts["model.js"]),
-        "page": in_script(parts["page.js"]),
-    }
-    return filled(parts["page.html"], texts)
+    scripts = [[functions, "model.js"], ["page.js"]]
+    return whole_page(f"Wear explorer: {study}", EXPLORER_FILES, data, scripts)
 
 
 def explorer_data(
@@ -101,12 +99,16 @@ def explorer_data(
     target = description["target"]
     surrogate = Surrogate(description, arrays)
     rows = dataset.sort_values("case_id").head(MOST_CASES)
-    order = [name for names in SECTIONS.values() for name in names]
+    sections = sections_of(surrogate.jet)
+    quantities = _quantities(description, sections, surrogate.jet.geometry)
+    order = [one["name"] for one in quantities]
+    varied = [one["name"] for one in quantities if not one["fixed"]]
     return {
         "study": study,
         "model": f"results/{study}/models/surrogate",
-        "sections": [{"name": name, "quantities": list(of)} for name, of in SECTIONS.items()],
-        "quantities": _quantities(description),
+        "sections": [{"name": name, "quantities": list(of)} for name, of in sections.items()],
+        "quantities": quantities,
+        "beside": list(BESIDE if surrogate.jet.geometry is None else varied[:MOST_BESIDE]),
         "presets": {name: dict(values) for name, values in presets.items()},
         "training_rows": description.get("training_rows"),
         "group_mean": stored(arrays["group_mean"]),
@@ -124,13 +126,24 @@ def explorer_data(
     }
 
 
-def _quantities(description: Mapping) -> list[dict[str, Any]]:
+def sections_of(jet: Jet) -> dict[str, tuple[str, ...]]:
+    """The quantities of a surrogate in the order of the page, by section."""
+    found = dict(SECTIONS)
+    found["Geometry"] += sampled_names(jet.geometry)
+    missing = set(input_names(jet)) - {name for names in found.values() for name in names}
+    if missing:
+        raise ValueError(f"the page has no place for {', '.join(sorted(missing))}")
+    return found
+
+
+def _quantities(
+    description: Mapping, sections: Mapping[str, tuple[str, ...]], geometry: Mapping | None
+) -> list[dict[str, Any]]:
     """The sampled quantities in the order of the page, with ranges, units and limits."""
     ranges = {one["name"]: one["training_range"] for one in description["features"]}
-    rows = {row.name: row for row in SAMPLED}
     found = []
-    for name in (name for names in SECTIONS.values() for name in names):
-        row, (low, high) = rows[name], ranges[name]
+    for name in (name for names in sections.values() for name in names):
+        row, (low, high) = quantity(name), ranges[name]
         scale = scales_of([name])
         fixed = bool(held_fixed(np.array([[low], [high]]), scale)[0])
         # As `abradem predict` warns.
@@ -139,7 +152,7 @@ def _quantities(description: Mapping) -> list[dict[str, Any]]:
         found.append(
             {
                 "name": name,
-                "label": LABELS[name].long_name,
+                "label": _label(name, geometry),
                 "unit": row.unit,
                 "shown_unit": row.config_unit,
                 "factor": row.config_factor,
@@ -154,15 +167,23 @@ def _quantities(description: Mapping) -> list[dict[str, Any]]:
                 "decades": not fixed and row.unit != "deg" and 0.0 < DECADES * low < high,
             }
         )
-    missing = set(SAMPLED_NAMES) - {one["name"] for one in found}
-    if missing:
-        raise ValueError(f"the page has no place for {', '.join(sorted(missing))}")
     return found
+
+
+def _label(name: str, geometry: Mapping | None) -> str:
+    """Name of a quantity, with the named plates of a chain that it belongs to."""
+    numbers = numbers_of(geometry)
+    parts = [
+        part
+        for part, place in places_of(geometry).items()
+        if name.startswith(f"{place}_") or numbers.get(f"{place}_angle") == name
+    ]
+    return f"{LABELS[name].long_name} ({', '.join(parts)})" if parts else LABELS[name].long_name
 
 
 def _rate(model: RateModel) -> dict[str, Any]:
     """Networks and held-out errors of one wear rate."""
-    place = wear_words(model.target["name"], model.target.get("element_size"))
+    place = place_of(model.target)
     layers = {
         network: [{"weights": stored(weights), "biases": stored(biases)} for weights, biases in of]
         for network, of in model.layers.items()

@@ -19,6 +19,8 @@ from abradem.learning.number_text import (
     score_number,
     score_range,
 )
+from abradem.quantities import GEOMETRY_UNITS
+from abradem.surrogate.geometry_groups import numbers_of, sampled_names
 from abradem.words.escaping import for_html
 from abradem.words.labels import LABELS
 from abradem.words.wear import WearTarget
@@ -41,6 +43,9 @@ _JET_UNITS = {
     "fall_height": "m", "gravity": "m/s2", "mass_rate": "kg/s", "number_rate": "1/s",
     "plate_area": "m2", "patch_area": "m2", "angle_acts": "", "arc_radius": "m",
 }  # fmt: skip
+
+
+_OF_PLATE = ("plate_area", "angle_acts", "arc_radius")
 
 
 def model_card(
@@ -79,19 +84,24 @@ def model_card(
         Summary of `abradem.learning.physical.fresh.coverage_of_fresh`; None without fresh cases.
     """
     known = surrogate.get("jet_known", True)
+    geometry = surrogate["jet"].get("geometry")
+    surface = "a flat plate" if geometry is None else "the geometry of the study"
     return {
         "model": "surrogate",
         "study": surrogate["table"],
         "software": f"abradem {software}".strip(),
         "intended_use": [
-            "wear depth rates of a flat plate under a jet of spheres, as "
+            f"wear depth rates of {surface} under a jet of spheres, as "
             + ("the engine simulates them" if ranges is not None else "in the table of the study"),
             *INTENDED,
         ],
         "not_intended": [
-            "another jet or plate than "
+            f"another jet or {'plate' if geometry is None else 'geometry'} than "
             + ("the one below" if known else "that of the table, whatever it is")
-            + ": feed, patch, fall height and plate are fixed",
+            + (
+                ": feed, patch, fall height and plate are fixed" if geometry is None
+                else ": feed, patch, fall height and what was not sampled of the geometry are fixed"
+            ),
             *NOT_INTENDED,
         ],
         "jet": {
@@ -100,7 +110,11 @@ def model_card(
                 name: {"value": value, "unit": _JET_UNITS[name]}
                 for name, value in surrogate["jet"].items()
                 if value is not None
+                and name != "geometry"
+                # Those of the plate mean nothing beside a geometry.
+                and not (geometry is not None and name in _OF_PLATE)
             },
+            **({} if geometry is None else {"geometry": _geometry(geometry)}),
         },
         "targets": [_target(surrogate), *map(_local, surrogate.get("local", []))],
         "ranges": [_range(feature, ranges) for feature in surrogate["features"]],
@@ -133,6 +147,19 @@ def model_card(
     }  # fmt: skip
 
 
+def _geometry(geometry: Mapping) -> dict:
+    """Kind, and the numbers that are fixed in the study, with their units."""
+    sampled = sampled_names(geometry)
+    return {
+        "kind": geometry.get("shape", geometry)["kind"],
+        "fixed": {
+            name: {"value": value, "unit": GEOMETRY_UNITS[name], "words": LABELS[name].long_name}
+            for name, value in numbers_of(geometry).items()
+            if name not in sampled and not isinstance(value, str)
+        },
+    }
+
+
 def _target(surrogate: Mapping) -> dict:
     scores = {
         name: {key: score[key] for key in ("median", "lower", "upper", "unit")}
@@ -153,7 +180,7 @@ def _local(one: Mapping) -> dict:
 
 
 def _named(target: Mapping) -> dict:
-    said = WearTarget(target["name"], target.get("element_size"), target.get("known", True))
+    said = WearTarget.stored(target)
     return {"name": target["name"], "unit": target["unit"], "words": said.explained}
 
 
@@ -240,6 +267,12 @@ def _jet(jet: Mapping) -> list[str]:
         )
         for name, one in jet["values"].items()
     ]
+    of = jet.get("geometry")
+    if of is not None:
+        rows = [("geometry", of["kind"]), *rows]
+        rows += [
+            (one["words"], f"{one['value']:.4g} {one['unit']}") for one in of["fixed"].values()
+        ]
     if jet["known"]:
         return _table(("quantity", "value"), rows)
     return [

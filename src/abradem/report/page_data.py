@@ -3,11 +3,49 @@
 from __future__ import annotations
 
 import base64
+import html
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from abradem.report.page_files import FRAME_FILES
+
+
+def whole_page(
+    title: str, files: Sequence[Path], data: Any, scripts: Sequence[Sequence[str]]
+) -> str:
+    """Return a page with its data, plotly.js and its scripts.
+
+    Parameters
+    ----------
+    title : str
+    files : sequence of path
+        Of `abradem.report.page_files`; page.html and style.css are content and look.
+    data : Any
+        Plain values; the page finds them in the element ``data``.
+    scripts : sequence of sequence of str
+        For each script element the texts in it: a name of ``files``, or JavaScript.
+    """
+    from plotly.offline import get_plotlyjs
+
+    parts = {path.name: path.read_text(encoding="utf-8") for path in (*FRAME_FILES, *files)}
+    texts = {
+        "title": html.escape(title),
+        "style": (parts["frame.css"] + parts["style.css"]).rstrip("\n"),
+        "body": parts["page.html"].rstrip("\n"),
+        "data": data_in_script(data),
+        "plotly": in_script(get_plotlyjs()),
+        "scripts": "\n".join(
+            "<script>\n"
+            + "\n".join(in_script(parts.get(one, one)) for one in script)
+            + "\n</script>"
+            for script in scripts
+        ),
+    }
+    return filled(parts["frame.html"], texts)
 
 
 def filled(page: str, texts: Mapping[str, str]) -> str:
@@ -29,7 +67,7 @@ def filled(page: str, texts: Mapping[str, str]) -> str:
     for name, text in texts.items():
         before, found, page = page.partition("{{" + name + "}}")
         if not found:
-            raise ValueError(f"page.html: lacks {{{{{name}}}}}")
+            raise ValueError(f"frame.html: lacks {{{{{name}}}}}")
         done += before + text
     return done + page
 

@@ -6,7 +6,6 @@ plotly.js, which the package plotly brings, with WebGL.
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -16,11 +15,13 @@ import pandas as pd
 from matplotlib.colors import to_hex
 
 from abradem.dem.model import Setup
-from abradem.figures.render import Patch
+from abradem.dem.surface import Surface
+from abradem.figures.render import Patch, patch_corners
 from abradem.figures.wear_colours import NO_WEAR, scale_top, wear_colours
 from abradem.geometry.build import prepared
-from abradem.report.page_data import data_in_script, filled, in_script, stored
-from abradem.report.scene_parts import SCENE_FILES
+from abradem.geometry.turning import turning_parts
+from abradem.report.page_data import stored, whole_page
+from abradem.report.page_files import SCENE_FILES
 from abradem.report.vtk import plate_facets
 from abradem.wear.depths import cell_depth_frames, depth_frames
 
@@ -53,18 +54,8 @@ def scene_page(
     measure : str
         Wear measure.
     """
-    from plotly.offline import get_plotlyjs
-
     data = scene_data(particles, wear, study, case, Setup.from_dict(setup), measure)
-    parts = {path.name: path.read_text(encoding="utf-8") for path in SCENE_FILES}
-    texts = {
-        "title": html.escape(f"Particles and wear: {study}"),
-        "style": parts["style.css"],
-        "data": data_in_script(data),
-        "plotly": in_script(get_plotlyjs()),
-        "page": in_script(parts["page.js"]),
-    }
-    return filled(parts["page.html"], texts)
+    return whole_page(f"Particles and wear: {study}", SCENE_FILES, data, [["page.js"]])
 
 
 def scene_data(
@@ -82,6 +73,7 @@ def scene_data(
     """
     setup = prepared(setup, case)
     surface, feed = setup.surface, setup.feed
+    turning: list[dict[str, Any]] = []
     if surface is None or feed is None:
         vertices, quads = plate_facets(case["plate_angle"], setup)
         triangles = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
@@ -89,11 +81,9 @@ def scene_data(
         height, tilt = setup.patch_place(case["factory_angle"])
         factory = Patch(setup.patch_length, setup.patch_width, height, tilt).corners()
     else:
-        vertices, triangles = surface.vertices, surface.triangles
+        vertices, triangles, turning = _moving(surface)
         times, depth = cell_depth_frames(wear, case, surface, measure)
-        along, across = 0.5 * np.array(feed.along), 0.5 * np.array(feed.across)
-        ends = [-along - across, along - across, along + across, across - along]
-        factory = np.array(feed.centre) + np.array(ends)
+        factory = patch_corners(feed)
     depth = depth.reshape(len(times), -1)
     kept = kept_frames(len(times), _PER_PARTICLE * len(particles) + _PER_CELL * depth.size)
     by_time = dict(tuple(particles.groupby("time")))
@@ -111,6 +101,9 @@ def scene_data(
         "radius": float(case["particle_radius"]),
         "vertices": stored(np.asarray(vertices, dtype=np.float32)),
         "triangles": stored(np.asarray(triangles, dtype=float)),
+        # Walls of a geometry do not hide what is behind them.
+        "see_through": surface is not None,
+        "turning": turning,
         "cell": "facets" if surface is None else "cells",
         "depth": stored(depth[kept].astype(np.float32)),
         "top": scale_top(depth[-1]),
@@ -119,6 +112,35 @@ def scene_data(
         "factory": factory.tolist(),
         "box": _box(np.concatenate([vertices, factory])),
     }
+
+
+def _moving(surface: Surface) -> tuple[np.ndarray, np.ndarray, list[dict[str, Any]]]:
+    """Vertices, which no two motions share, triangles, and what turns with its vertices."""
+    parts = turning_parts(surface)
+    motions = [
+        (float(surface.angular_velocity[part]), tuple(map(float, surface.axis_point[part])),
+         tuple(map(float, surface.axis_direction[part])))
+        for part in parts
+    ]  # fmt: skip
+    kinds = list(dict.fromkeys(motions))
+    motion_of_part = np.zeros(len(surface.part_names), dtype=np.int64)
+    for part, motion in zip(parts, motions, strict=True):
+        motion_of_part[part] = 1 + kinds.index(motion)
+    motion_of_corner = np.repeat(motion_of_part[surface.part][:, None], 3, axis=1)
+    pairs, corners = np.unique(
+        np.stack([surface.triangles, motion_of_corner], axis=-1).reshape(-1, 2),
+        axis=0, return_inverse=True,
+    )  # fmt: skip
+    turning = [
+        {
+            "spin": spin,
+            "point": list(point),
+            "direction": (np.array(direction) / np.linalg.norm(direction)).tolist(),
+            "vertices": np.flatnonzero(pairs[:, 1] == 1 + kind).tolist(),
+        }
+        for kind, (spin, point, direction) in enumerate(kinds)
+    ]
+    return surface.vertices[pairs[:, 0]], corners.reshape(-1, 3), turning
 
 
 def kept_frames(count: int, size: int) -> np.ndarray:
@@ -137,7 +159,8 @@ def _box(points: np.ndarray) -> list[list[float]]:
 def _about(case: Mapping[str, float], plate: bool) -> str:
     angle = f"plate at {case['plate_angle']:.4g}°, " if plate else ""
     speed = abs(case["particle_velocity_y"])
+    factory = f", factory at {case['factory_angle']:.4g}°" if plate else ""
     return (
-        f"{angle}particles of {1e3 * case['particle_radius']:.4g} mm radius at {speed:.4g} m/s, "
-        f"factory at {case['factory_angle']:.4g}°"
+        f"{angle}particles of {1e3 * case['particle_radius']:.4g} mm radius at {speed:.4g} m/s"
+        f"{factory}"
     )

@@ -2,8 +2,8 @@
 
 Each snapshot is a PolyData file (``.vtp``); a collection file (``.pvd``) gives the time of each.
 Arrays are little-endian and base64-encoded with a header of eight bytes. Only numpy is needed to
-write them. In ParaView, open ``particles.pvd`` and ``plate.pvd``, and show the particles with the
-filter Glyph, glyph type Sphere (radius 1), scaled by ``radius``.
+write them. In ParaView, open ``particles.pvd`` and ``plate.pvd`` or ``surface.pvd``, and show the
+particles with the filter Glyph, glyph type Sphere (radius 1), scaled by ``radius``.
 """
 
 from __future__ import annotations
@@ -18,9 +18,11 @@ import pandas as pd
 
 from abradem.dem.model import Setup
 from abradem.dem.surface import Surface
-from abradem.quantities import SAMPLED_NAMES, WEAR_MEASURES
+from abradem.geometry.build import case_surface
+from abradem.geometry.turning import corners_at
+from abradem.quantities import GEOMETRY_NAMES, SAMPLED_NAMES, WEAR_MEASURES
 from abradem.store.files import TableError, write_text
-from abradem.wear.depths import depth_frames
+from abradem.wear.depths import cell_depth_frames, depth_frames
 
 _TYPES = {"float64": "Float64", "int64": "Int64"}
 
@@ -30,7 +32,8 @@ def case_values(cases: pd.DataFrame, case_id: int) -> dict[str, float]:
     rows = cases[cases["case_id"] == case_id]
     if len(rows) != 1:
         raise TableError(f"case {case_id}: there is no such case")
-    return {name: float(rows[name].iloc[0]) for name in SAMPLED_NAMES}
+    names = [*SAMPLED_NAMES, *(name for name in GEOMETRY_NAMES if name in cases)]
+    return {name: float(rows[name].iloc[0]) for name in names}
 
 
 def write_vtk(
@@ -40,46 +43,49 @@ def write_vtk(
     setup: Setup,
     folder: str | Path,
 ) -> None:
-    """Write the snapshots of a case, one file of particles and one of the plate for each time.
+    """Write the snapshots of a case, one file of particles and one of the surface for each time.
 
     Parameters
     ----------
     particles, wear : pandas.DataFrame
         From `abradem.simulation.snapshots`.
     case : mapping
-        Sampled quantities of the case; plate_angle (deg), particle_radius (m) and
-        archard_constant (1/Pa) are used.
+        Sampled quantities of the case; particle_radius (m), archard_constant (1/Pa) and those of
+        the geometry, or plate_angle (deg), are used.
     setup : Setup
     folder : path-like
-        The files ``particles.pvd``, ``plate.pvd`` and those that they list are written here.
+        The files ``particles.pvd``, ``plate.pvd`` (with a geometry ``surface.pvd``, whose cells
+        have the number of their ``part`` too) and those that they list are written here.
         Particles have ``id``, ``radius`` (m), ``velocity`` (m/s) and ``spin`` (rad/s); facets have
         the wear depth of each wear measure, ``depth_<measure>`` (mm).
     """
     folder = Path(folder)
-    frames = {measure: depth_frames(wear, case, setup, measure) for measure in WEAR_MEASURES}
+    surface = None if setup.geometry is None else case_surface(setup, case)
+    if surface is None:
+        kind, (points, faces), parts = "plate", plate_facets(case["plate_angle"], setup), {}
+        frames = {one: depth_frames(wear, case, setup, one) for one in WEAR_MEASURES}
+    else:
+        kind, faces, parts = "surface", np.arange(surface.part.size * 3), {"part": surface.part}
+        faces = faces.reshape(-1, 3)
+        frames = {one: cell_depth_frames(wear, case, surface, one) for one in WEAR_MEASURES}
     times = frames[WEAR_MEASURES[0]][0]
-    points, quads = plate_facets(case["plate_angle"], setup)
     by_time = dict(tuple(particles.groupby("time")))
-    names: dict[str, list[str]] = {"particles": [], "plate": []}
+    names: dict[str, list[str]] = {"particles": [], kind: []}
     for index, time in enumerate(times):
         rows = by_time.get(time, particles.iloc[:0])
+        if surface is not None:
+            # Parts may turn, so triangles share no points.
+            points = corners_at(surface, float(time)).reshape(-1, 3)
+        depths = {f"depth_{one}": depth[index].ravel() for one, (_, depth) in frames.items()}
         texts = {
             "particles": particles_vtp(rows, case["particle_radius"]),
-            "plate": polydata(
-                points,
-                quads,
-                "Polys",
-                cells={
-                    f"depth_{measure}": depth[index].ravel()
-                    for measure, (_, depth) in frames.items()
-                },
-            ),
+            kind: polydata(points, faces, "Polys", cells={**parts, **depths}),
         }
-        for kind, text in texts.items():
-            names[kind].append(f"{kind}_{index:05d}.vtp")
-            write_text(text, folder / names[kind][-1])
-    for kind, files in names.items():
-        write_text(collection(times, files), folder / f"{kind}.pvd")
+        for name, text in texts.items():
+            names[name].append(f"{name}_{index:05d}.vtp")
+            write_text(text, folder / names[name][-1])
+    for name, files in names.items():
+        write_text(collection(times, files), folder / f"{name}.pvd")
 
 
 def surface_vtp(surface: Surface, cells: pd.DataFrame) -> str:

@@ -5,16 +5,12 @@ from __future__ import annotations
 import os
 
 from abradem.config.declaration import UNKNOWN, Config
+from abradem.config.geometry import geometry_ranges
 from abradem.config.values import sampled_ranges, setup_dict
-from abradem.dem.cache import is_compiled
+from abradem.dem.cache import compiling_words, is_compiled
 
 SECONDS_PER_JOB = 2.5
 """Start-up time of a job, s: interpreter, imports, loading of compiled code."""
-
-COMPILES = (
-    "after the engine is compiled, once for this version of it on this machine: half a minute or "
-    "more"
-)
 
 _LOOKED_AT = 1000
 """Largest number of cases whose time is estimated; further cases are assumed to be similar."""
@@ -61,19 +57,32 @@ def estimate(config: Config, cores: int | None = None) -> str:
     blocks = min(sampling.blocks, -(-_LOOKED_AT // size))
     ranges, setup = sampled_ranges(config), setup_dict(config)
     looked_at = [
-        case_seconds(block_cases(config.seed, block, size, sampling.method, ranges), setup)
+        case_seconds(
+            block_cases(
+                config.seed,
+                block,
+                size,
+                sampling.method,
+                ranges,
+                geometry=geometry_ranges(config),
+            ),
+            setup,
+        )
         for block in range(blocks)
     ]
     each = sum(spent.sum() for spent in looked_at) / (blocks * size)
     # The most expensive batch starts first, but cores cannot share it.
     longest = max(spent[start:stop].sum() for spent in looked_at for start, stop in config.batches)
-    shared = (config.cases * each + jobs * SECONDS_PER_JOB) / min(cores, jobs)
+    # Only crowds use the threads of a job, so that they are taken to gain nothing.
+    at_once = min(max(cores // config.threads, 1), jobs)
+    shared = (config.cases * each + jobs * SECONDS_PER_JOB) / at_once
     seconds = max(shared, longest + SECONDS_PER_JOB)
+    needed = config.simulation.stepping, setup.get("geometry") is not None
+    compiles = f", after the engine is compiled, {compiling_words(needed[1])}"
     return (
         f"{config.study}: {_count(config.cases, 'case')} in {_count(sampling.blocks, 'block')}, "
         f"{_count(jobs, 'simulation job')}, simulated in about {_duration(seconds)} on "
-        f"{_count(cores, 'core')}"
-        + ("" if is_compiled(config.simulation.stepping) else f", {COMPILES}")
+        f"{_count(cores, 'core')}" + ("" if is_compiled(*needed) else compiles)
     )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from abradem.config import sampled_ranges, setup_dict, typical_case
+from abradem.config import geometry_ranges, sampled_ranges, setup_dict, typical_case
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,7 +20,9 @@ PICTURES = {"scene", "angles"}
 """Rules that simulate the typical case."""
 
 _LOOKED_AT = 50_000
-"""Largest number of cases that are drawn and checked before a run, which takes seconds."""
+_SURFACES_LOOKED_AT = 200
+"""Largest number of cases that are drawn and checked before a run, which takes seconds; with a
+geometry each has a surface of its own."""
 
 
 def problems_at_start(
@@ -106,11 +108,13 @@ def _too_many_rejected(config: Config) -> list[str]:
     from abradem.sampling.draw import block_cases
 
     setup, ranges = Setup.from_dict(setup_dict(config)), sampled_ranges(config)
-    sampling = config.sampling
-    if config.cases > _LOOKED_AT:
+    sampling, geometry = config.sampling, geometry_ranges(config)
+    if config.cases > (_LOOKED_AT if setup.geometry is None else _SURFACES_LOOKED_AT):
         return []
     drawn = [
-        block_cases(config.seed, block, sampling.cases_per_block, sampling.method, ranges, setup)
+        block_cases(
+            config.seed, block, sampling.cases_per_block, sampling.method, ranges, setup, geometry
+        )
         for block in range(sampling.blocks)
     ]
     reasons = pd.concat([cases["rejected"] for cases in drawn])
@@ -131,12 +135,16 @@ def _impossible_pictures(config: Config) -> list[str]:
 
     typical, setup = typical_case(config), Setup.from_dict(setup_dict(config))
     angles, film = config.figures.angles, config.figures.movie
-    varied: list[tuple[str, Mapping[str, Any]]] = [
-        ("figures.typical", {}),
-        *(("figures.angles.plate", {"plate_angle": angle}) for angle in angles.plate),
-        *(("figures.angles.factory", {"factory_angle": angle}) for angle in angles.factory),
-        *(("figures.movie.plate_angles", {"plate_angle": angle}) for angle in film.plate_angles),
-    ]
+    varied: list[tuple[str, Mapping[str, Any]]] = [("figures.typical", {})]
+    if setup.geometry is None:
+        varied += [
+            *(("figures.angles.plate", {"plate_angle": angle}) for angle in angles.plate),
+            *(("figures.angles.factory", {"factory_angle": angle}) for angle in angles.factory),
+            *(
+                ("figures.movie.plate_angles", {"plate_angle": angle})
+                for angle in film.plate_angles
+            ),
+        ]
     found: dict[str, str] = {}
     for key, change in varied:
         if reason := check_case({**typical, **change}, setup):

@@ -23,7 +23,8 @@ import numpy as np
 import pandas as pd
 
 from abradem.dem.model import Setup
-from abradem.elastic import rayleigh_time, sphere_mass
+from abradem.elastic import rayleigh_time
+from abradem.sampling.surface_cost import presence, rates_of_particles
 
 STEP = 4.0e-8
 """Computing time of one step of a particle that touches something, s (docs/scaling.md)."""
@@ -106,7 +107,7 @@ def simulated_time(cases: pd.DataFrame, setup: Mapping) -> np.ndarray:
     """
     level = np.exp(-np.abs(cases["plate_angle"].to_numpy()) / BED_ANGLE)
     asked = PARTICLES / setup["target_stderr"] ** 2 * (1.0 + PARTICLES_IN_A_BED * level)
-    window = np.maximum(setup["window"], asked / _rate(cases, setup))
+    window = np.maximum(setup["window"], asked / rates_of_particles(cases, setup))
     return np.minimum(TRANSIENT + window, setup["max_time"])
 
 
@@ -133,10 +134,12 @@ def contact_time(cases: pd.DataFrame, setup: Mapping, costs: Costs = COSTS) -> n
     rolling = np.maximum(cases["rolling_friction"].to_numpy(), LEAST_ROLLING_FRICTION)
     plate = setup["plate_length"] * setup["plate_width"]
     patch = setup["patch_length"] * setup["patch_width"]
-    cover = plate / (math.pi * radius**2) / _rate(cases, setup)
+    cover = plate / (math.pi * radius**2) / rates_of_particles(cases, setup)
     speed = _impact_speed(cases, setup)
     # Particles met on a way as long as the patch: their number there times the cross-section.
-    met = np.log(_rate(cases, setup) / (speed * math.sqrt(patch)) * (4.0 * math.pi * radius**2))
+    met = np.log(
+        rates_of_particles(cases, setup) / (speed * math.sqrt(patch)) * (4.0 * math.pi * radius**2)
+    )
     time = costs.contact * np.exp(
         costs.radius * size
         + costs.tilt * tilt
@@ -171,10 +174,26 @@ def case_seconds(cases: pd.DataFrame, setup: Mapping, costs: Costs = COSTS) -> n
         cases["particle_shear_modulus"].to_numpy(),
         cases["particle_poisson_ratio"].to_numpy(),
     )
+    if setup.get("geometry"):
+        return _surface_seconds(cases, setup, step, costs)
     time = simulated_time(cases, setup)
-    particles = _rate(cases, setup) * time
+    particles = rates_of_particles(cases, setup) * time
     each = costs.particle + contact_time(cases, setup, costs) / step * STEP
     return costs.case + costs.second * time + particles * each
+
+
+def _surface_seconds(cases, setup, step: np.ndarray, costs: Costs) -> np.ndarray:
+    """Estimate as `case_seconds` for a geometry; ``step`` (n,) is the time step, s."""
+    dwell, share = presence(cases, setup)
+    time = np.minimum(np.maximum(TRANSIENT, dwell) + setup["window"], setup["max_time"])
+    rate = rates_of_particles(cases, setup)
+    # Their number grows until as many leave.
+    stay = np.minimum(dwell, time)
+    present = rate * stay * (time - 0.5 * stay)
+    return (
+        costs.case + costs.second * time + rate * time * costs.particle
+        + share * present / step * STEP
+    )  # fmt: skip
 
 
 def batch_seconds(
@@ -198,12 +217,6 @@ def batch_seconds(
     """
     seconds = case_seconds(cases, setup)
     return [float(seconds[start:stop].sum()) for start, stop in batches]
-
-
-def _rate(cases, setup):
-    """Particles per second."""
-    mass = sphere_mass(cases["particle_radius"].to_numpy(), cases["particle_density"].to_numpy())
-    return (setup["number_rate"] or setup["mass_rate"] / mass) * np.ones(len(cases))
 
 
 def _impact_speed(cases, setup):

@@ -65,7 +65,10 @@ def case_key(row: Mapping, setup: Mapping, code: str) -> str:
 
 
 def run_case(
-    row: Mapping, setup: Mapping, progress: Callable[[float], object] | None = None
+    row: Mapping,
+    setup: Mapping,
+    progress: Callable[[float], object] | None = None,
+    threads: int = 1,
 ) -> dict:
     """Simulate one case.
 
@@ -77,6 +80,8 @@ def run_case(
         Plain values of the `Setup`.
     progress : callable, optional
         Called with the simulated time, s.
+    threads : int, optional
+        Number of threads of the simulation; the result does not depend on it.
 
     Returns
     -------
@@ -95,10 +100,11 @@ def run_case(
         return _without_result(row, setup, f"rejected: {row['rejected']}")
     from abradem.dem import simulate
 
-    watched = {} if progress is None else {"progress": progress}
+    options = {"progress": progress, "threads": threads if threads > 1 else None}
+    given = {name: value for name, value in options.items() if value is not None}
     try:
         built = prepared(Setup.from_dict(setup), row)
-        result = simulate(Case.from_row(row), built, **watched)
+        result = simulate(Case.from_row(row), built, **given)
     except ValueError as error:
         # The engine refuses a case that it cannot integrate; the other cases continue.
         return _without_result(row, setup, f"refused: {error}")
@@ -107,7 +113,14 @@ def run_case(
     return result_tables(row, result)
 
 
-def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str = "") -> None:
+def run_batch(
+    cases,
+    setup: Mapping,
+    outputs: Mapping,
+    finished: Path,
+    code: str = "",
+    threads: int = 1,
+) -> None:
     """Simulate the cases of a batch and write its tables.
 
     Parameters
@@ -125,6 +138,8 @@ def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
         Folder, used only by this batch, for finished cases until all cases are done.
     code : str
         Hash of the simulation code; cases finished by other code are not used.
+    threads : int, optional
+        Number of threads of each simulation; no table but ``times`` depends on it.
 
     Raises
     ------
@@ -150,7 +165,7 @@ def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
                 raise RuntimeError("the run that started this job is gone; finished cases are kept")
             paths = _paths(finished, key)
             try:
-                tables = _kept(paths) or _simulated(row, setup, paths)
+                tables = _kept(paths) or _simulated(row, setup, paths, threads)
             except Exception as error:
                 if isinstance(error, OSError):
                     # If results cannot be written, no other case can succeed.
@@ -170,7 +185,7 @@ def run_batch(cases, setup: Mapping, outputs: Mapping, finished: Path, code: str
         shutil.rmtree(finished)
 
 
-def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
+def _simulated(row: Mapping, setup: Mapping, paths: Mapping, threads: int) -> dict:
     """Simulate a case and save its tables."""
     import pandas as pd
 
@@ -179,11 +194,13 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping) -> dict:
     from abradem.store.files import write_json
     from abradem.store.tables import write_table
 
-    if not row["rejected"] and not setup.get("geometry"):
+    if not row["rejected"]:
         # Otherwise the time of the first case of a job would include half a second of loading.
-        warm.load(setup.get("stepping", Setup.stepping))
+        warm.load(setup.get("stepping", Setup.stepping), bool(setup.get("geometry")))
+        if threads > 1 and not setup.get("geometry"):
+            warm.load("parallel")
     start = time.process_time()
-    tables = run_case(row, setup)
+    tables = run_case(row, setup, threads=threads)
     spent = time.process_time() - start
     tables["times"] = pd.DataFrame({"case_id": [int(row["case_id"])], "processor_time": [spent]})
     for name in FILES:

@@ -85,12 +85,15 @@ def _contacts(particle, partner, memory, prefix) -> pd.DataFrame:
     return frame
 
 
-def write_snapshots(case: Case, setup: Setup, folder: str | Path, interval: float) -> None:
+def write_snapshots(
+    case: Mapping[str, Any], setup: Setup, folder: str | Path, interval: float
+) -> None:
     """Simulate a case and write ``particles``, ``contacts`` and ``wear`` as Parquet.
 
     Parameters
     ----------
-    case : Case
+    case : mapping
+        Arguments of `abradem.Case`, and the quantities of the geometry that are sampled.
     setup : Setup
     folder : path-like
         Folder for ``particles.parquet``, ``contacts.parquet`` and ``wear.parquet``.
@@ -100,7 +103,7 @@ def write_snapshots(case: Case, setup: Setup, folder: str | Path, interval: floa
     from abradem.dem import simulate
 
     recorder = Recorder(interval)
-    simulate(case, prepared(setup, vars(case)), recorder=recorder)
+    simulate(Case.from_row(case), prepared(setup, case), recorder=recorder)
     for name, frame in recorder.tables().items():
         write_table(frame, Path(folder) / f"{name}.parquet", extra=SNAPSHOTS)
 
@@ -112,11 +115,9 @@ def write_scene(
 
     Parameters
     ----------
-    case : mapping
-        Arguments of `abradem.Case`.
-    setup : Setup
-    folder : path-like
+    case, setup, folder
+        See `write_snapshots`.
     duration, interval : float
         Simulated time, and time between snapshots, s.
     """
-    write_snapshots(Case(**case), replace(setup, duration=duration), folder, interval)
+    write_snapshots(case, replace(setup, duration=duration), folder, interval)

@@ -32,6 +32,9 @@ With a feed by number m' = n' m, with the mass m of a particle, the loading n' m
 be a function of R/H and Fr, and no fit could tell the three apart. The loading by mass instead of
 volume is independent of them.
 
+On a geometry A is the area of the factory's patch, which is the same for all cases, and each
+sampled quantity of the geometry has a group of its own (`abradem.surrogate.geometry_groups`).
+
 The functions use only arithmetic and numpy functions, so that `abradem.surrogate.onnx` can trace
 them and no formula is written twice. The module needs no other package than numpy, so that the
 surrogate needs none.
@@ -49,6 +52,12 @@ from abradem.elastic import (
     effective_youngs_modulus,
     sphere_mass,
     youngs_modulus,
+)
+from abradem.quantities import SAMPLED_NAMES
+from abradem.surrogate.geometry_groups import (
+    geometry_columns,
+    geometry_group_names,
+    sampled_names,
 )
 from abradem.units import MM_PER_M
 
@@ -73,7 +82,7 @@ GROUP_NAMES = (
     "plate_angle",
     "jet_width",
 )
-"""Names of the groups, in the order of `group_columns`."""
+"""Names of the groups of the plate, in the order of `group_columns`."""
 
 
 class Jet(NamedTuple):
@@ -88,11 +97,13 @@ class Jet(NamedTuple):
     mass_rate, number_rate : float or None
         Feed in kg/s or in particles per second; the other one is None.
     plate_area, patch_area : float
-        m2.
+        m2; on a geometry both are that of the patch.
     angle_acts : {"tilt", "level", "arc"}
         How the factory angle acts, see `abradem.Setup.patch_place`.
     arc_radius : float
         m.
+    geometry : mapping or None
+        Surface that is no plate, as plain values (`abradem.config.geometry.geometry_dict`).
     """
 
     fall_height: float
@@ -103,19 +114,44 @@ class Jet(NamedTuple):
     patch_area: float
     angle_acts: str = "tilt"
     arc_radius: float = 0.0
+    geometry: Mapping | None = None
+
+    def stored(self) -> dict:
+        """As stored in a file; a plate needs no geometry."""
+        found = self._asdict()
+        if self.geometry is None:
+            del found["geometry"]
+        return found
+
+
+def input_names(jet: Jet) -> tuple[str, ...]:
+    """Names of the quantities that a prediction needs: the sampled ones, also of a geometry."""
+    return (*SAMPLED_NAMES, *sampled_names(jet.geometry))
+
+
+def group_names(jet: Jet) -> tuple[str, ...]:
+    """Names of the groups of `group_columns`, in their order; those of the plate come first."""
+    return (*GROUP_NAMES, *geometry_group_names(jet.geometry))
 
 
 def jet_of(setup: Mapping) -> Jet:
     """Jet of a set-up, given as plain values of a `Setup` (`abradem.config.setup_dict`)."""
-    return Jet(
+    patch_area = setup["patch_length"] * setup["patch_width"]
+    jet = Jet(
         fall_height=setup["fall_height"],
         gravity=setup["gravity"],
         mass_rate=setup["mass_rate"],
         number_rate=setup["number_rate"],
         plate_area=setup["plate_length"] * setup["plate_width"],
-        patch_area=setup["patch_length"] * setup["patch_width"],
+        patch_area=patch_area,
         angle_acts=setup["angle_acts"],
         arc_radius=setup["arc_radius"],
+    )
+    if not setup.get("geometry"):
+        return jet
+    # The patch above a geometry is level, and the plate is not there.
+    return jet._replace(
+        plate_area=patch_area, angle_acts="level", arc_radius=0.0, geometry=setup["geometry"]
     )
 
 
@@ -163,18 +199,18 @@ def wear_scale(values: Mapping, jet: Jet):
 
 
 def group_columns(values: Mapping, jet: Jet) -> list:
-    """The groups of `GROUP_NAMES`, in this order, one array each.
+    """The groups of `group_names`, in this order, one array each.
 
     Parameters
     ----------
     values : mapping of str to array, shape (n,)
-        The sampled quantities in the units of `abradem.quantities`, angles in degrees.
+        The quantities of `input_names` in the units of `abradem.quantities`, angles in degrees.
     jet : Jet
 
     Returns
     -------
     list of array, shape (n,)
-        Dimensionless; the plate angle in rad.
+        Dimensionless; angles in rad.
     """
     nu_p, nu_e = values["particle_poisson_ratio"], values["equipment_poisson_ratio"]
     shear_p, shear_e = values["particle_shear_modulus"], values["equipment_shear_modulus"]
@@ -202,9 +238,10 @@ def group_columns(values: Mapping, jet: Jet) -> list:
         np.log(1.0 + values["restitution"]),
         _DEGREE * values["plate_angle"],
         jet_width(values, jet),
+        *geometry_columns(values, jet.geometry, height, squared),
     ]
 
 
 def group_matrix(values: Mapping, jet: Jet) -> np.ndarray:
-    """The groups of n cases as a matrix, shape (n, 10); see `group_columns`."""
+    """The groups of n cases as a matrix (n, 10 and those of a geometry); see `group_columns`."""
     return np.stack(np.broadcast_arrays(*group_columns(values, jet)), axis=-1)

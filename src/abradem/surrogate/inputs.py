@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from abradem.quantities import SAMPLED, SAMPLED_NAMES, impossible
-from abradem.surrogate.groups import Jet, squared_impact_speed
+from abradem.quantities import impossible, quantity
+from abradem.surrogate.groups import Jet, input_names, squared_impact_speed
 
 
 class PredictionError(ValueError):
@@ -15,13 +15,14 @@ class PredictionError(ValueError):
 
 
 def checked_columns(values: Mapping, jet: Jet) -> dict[str, np.ndarray]:
-    """The sampled quantities, checked, as arrays of the same length."""
-    missing = [name for name in SAMPLED_NAMES if name not in values]
+    """The quantities of `input_names`, checked, as arrays of the same length."""
+    names = input_names(jet)
+    missing = [name for name in names if name not in values]
     if missing:
         raise PredictionError(f"missing: {', '.join(missing)}")
     columns = {}
     problems = []
-    for row in SAMPLED:
+    for row in map(quantity, names):
         try:
             column = np.atleast_1d(np.asarray(values[row.name], dtype=float))
         except (TypeError, ValueError):

@@ -7,10 +7,11 @@ in double precision, as numpy does.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from abradem.quantities import SAMPLED_NAMES
-from abradem.surrogate.groups import Jet, group_columns, wear_scale
+from abradem.surrogate.groups import Jet, group_columns, input_names, wear_scale
 
 _INFIX = {np.add: "+", np.subtract: "-", np.multiply: "*", np.divide: "/", np.power: "**"}
 _CALLS = {
@@ -45,7 +46,7 @@ def _text(value) -> str:
 
 
 def group_functions(jet: Jet) -> str:
-    """Source of two functions of an object with the 14 sampled quantities.
+    """Source of two functions of an object with the quantities of a prediction.
 
     Parameters
     ----------
@@ -54,21 +55,21 @@ def group_functions(jet: Jet) -> str:
     Returns
     -------
     str
-        ``dimensionlessGroups(values)`` returns the list of `abradem.surrogate.groups.GROUP_NAMES`,
+        ``dimensionlessGroups(values)`` returns the list of `abradem.surrogate.groups.group_names`,
         ``wearScale(values)`` the scale of the wear depth rate in mm/s. The values are in the units
         of `abradem.quantities`.
     """
     return "\n".join(
         (
-            _function("dimensionlessGroups", lambda values: group_columns(values, jet), True),
-            _function("wearScale", lambda values: [wear_scale(values, jet)], False),
+            _function("dimensionlessGroups", jet, group_columns, True),
+            _function("wearScale", jet, lambda values, jet: [wear_scale(values, jet)], False),
         )
     )
 
 
-def _function(name: str, computed, many: bool) -> str:
+def _function(name: str, jet: Jet, computed: Callable, many: bool) -> str:
     lines: list[str] = []
-    values = {key: _Symbol(lines, f"values.{key}") for key in SAMPLED_NAMES}
-    results = ", ".join(_text(one) for one in computed(values))
+    values = {key: _Symbol(lines, f"values.{key}") for key in input_names(jet)}
+    results = ", ".join(_text(one) for one in computed(values, jet))
     returned = f"[{results}]" if many else results
     return "\n".join([f"function {name}(values) {{", *lines, f"  return {returned};", "}"])

@@ -185,8 +185,9 @@ def _fault(description: Any, arrays: Mapping[str, np.ndarray]) -> str | None:
         return f"kind must be {KIND!r}"
     if description.get("groups") != list(GROUP_NAMES):
         return f"groups must be {', '.join(GROUP_NAMES)}"
-    if set(description.get("jet") or {}) != set(Jet._fields):
-        return f"jet must have {', '.join(Jet._fields)}"
+    fields = [name for name in Jet._fields if name != "geometry"]
+    if set(description.get("jet") or {}) - {"geometry"} != set(fields):
+        return f"jet must have {', '.join(fields)}"
     if (description.get("target") or {}).get("measure") not in WEAR_MEASURES:
         return f"target.measure must be one of {', '.join(WEAR_MEASURES)}"
     if not _positive(description.get("floor")):

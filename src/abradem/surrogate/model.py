@@ -102,8 +102,8 @@ class Surrogate:
         Content of the JSON file.
     jet : Jet
     ranges : dict of str to (float, float)
-        Training range of each sampled quantity.
-    group_mean, group_scale : ndarray, shape (10,)
+        Training range of each sampled quantity, also of a geometry.
+    group_mean, group_scale : ndarray, shape (10 and those of a geometry,)
         Scaling of the groups.
     models : dict of str to RateModel
         Networks and held-out errors of each wear rate by its name; the target of the study is the
@@ -174,7 +174,12 @@ class Surrogate:
         try:
             check_description(description)
             file = path.with_suffix(".safetensors")
-            check_arrays(arrays, local_names(description), "domain" in description)
+            check_arrays(
+                arrays,
+                len(description["groups"]),
+                local_names(description),
+                "domain" in description,
+            )
         except PartError as error:
             line = f"{file}: damaged, or not a surrogate ({error}){remedy(file)}"
             raise PredictionError(line) from None
@@ -203,8 +208,9 @@ class Surrogate:
         Parameters
         ----------
         values : mapping of str to float or array
-            The 14 sampled quantities in the units of `abradem.quantities`, broadcast to shape
-            (n,). A DataFrame is accepted.
+            The 14 sampled quantities, and those of the geometry that were sampled
+            (`abradem.surrogate.groups.input_names`), in the units of `abradem.quantities`,
+            broadcast to shape (n,). A DataFrame is accepted.
         confidence : float, optional
             Level of the interval, above 0 and at most `highest_confidence`. The default is 0.95,
             or `highest_confidence` if that is lower.
@@ -259,7 +265,7 @@ class Surrogate:
         return Prediction(rate, lower, upper, confidence, warnings)
 
     def _standardised(self, columns: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Standardised groups, shape (n, 10), of checked quantities (n,)."""
+        """Standardised groups, shape (n, p), of checked quantities (n,)."""
         z = np.empty((len(columns["plate_angle"]), len(self.group_mean)))
         for place, column in enumerate(group_columns(columns, self.jet)):
             z[:, place] = (column - self.group_mean[place]) / self.group_scale[place]

@@ -1,9 +1,10 @@
 """Export of the surrogate as an ONNX graph, for use outside Python; needs the extra ``onnx``.
 
-The inputs of the graph are the 14 sampled quantities, each a vector (n,) in double precision in
-the unit of `abradem.quantities`. The outputs are the wear depth rate (mm/s) and the standard
-deviation of its logarithm, both (n,). The formulas for the groups are not written a second time:
-the functions of `abradem.surrogate.groups` run on symbols that record each operation as a node.
+The inputs of the graph are the sampled quantities, those of a geometry included, each a vector
+(n,) in double precision in the unit of `abradem.quantities`. The outputs are the wear depth rate
+(mm/s) and the standard deviation of its logarithm, both (n,). The formulas for the groups are not
+written a second time: the functions of `abradem.surrogate.groups` run on symbols that record each
+operation as a node.
 """
 
 from __future__ import annotations
@@ -13,9 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from abradem.quantities import SAMPLED_NAMES
 from abradem.store.files import replacing
-from abradem.surrogate.groups import group_columns, wear_scale
+from abradem.surrogate.groups import group_columns, input_names, wear_scale
 from abradem.surrogate.model import Surrogate
 from abradem.surrogate.networks import Layers
 from abradem.surrogate.parts import NETWORKS
@@ -82,7 +82,7 @@ def export_onnx(surrogate: Surrogate, path: str | Path) -> None:
     from onnx import TensorProto, checker, helper
 
     graph = _Graph()
-    values = {name: _Symbol(graph, name) for name in SAMPLED_NAMES}
+    values = {name: _Symbol(graph, name) for name in input_names(surrogate.jet)}
     axis = graph.constant([1], np.int64)
     found = group_columns(values, surrogate.jet)
     columns = [graph.node("Unsqueeze", column.name, axis) for column in found]
@@ -118,7 +118,7 @@ def export_onnx(surrogate: Surrogate, path: str | Path) -> None:
         helper.make_graph(
             graph.nodes,
             "abradem_surrogate",
-            [column(name) for name in SAMPLED_NAMES],
+            [column(name) for name in input_names(surrogate.jet)],
             [column(name) for name in OUTPUTS],
             graph.constants,
         ),

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from abradem.quantities import SAMPLED
-from abradem.surrogate.groups import GROUP_NAMES, Jet
+from abradem.quantities import quantity
+from abradem.surrogate.geometry_groups import numbers_of
+from abradem.surrogate.groups import Jet, group_names, input_names
 
 NETWORKS = ("mean", "spread")
 """Networks for the logarithm of the wear number and of its standard deviation."""
@@ -37,8 +38,9 @@ def check_description(description: Any) -> None:
     if description.get("kind") != "surrogate":
         raise PartError(f"kind = {description.get('kind')!r} must be 'surrogate'")
     groups = _part(description, "groups", list, "a list")
-    if groups != list(GROUP_NAMES):
-        raise PartError(f"groups = {_shown(groups)} must be {', '.join(GROUP_NAMES)}")
+    jet = checked_jet(_part(description, "jet", Mapping, "an object"))
+    if groups != list(group_names(jet)):
+        raise PartError(f"groups = {_shown(groups)} must be {', '.join(group_names(jet))}")
     _check_target(description, "")
     for place, one in enumerate(_typed(description.get("local", []), list, "local", "a list")):
         _typed(one, Mapping, f"local[{place}]", "an object")
@@ -56,8 +58,7 @@ def check_description(description: Any) -> None:
         if not _number(domain.get("limit"), "domain.limit") >= 0.0:
             raise PartError(f"domain.limit = {domain['limit']!r} must not be negative")
     _typed(description.get("jet_known", True), bool, "jet_known", "true or false")
-    _check_jet(_part(description, "jet", Mapping, "an object"))
-    _check_features(_part(description, "features", list, "a list"))
+    _check_features(_part(description, "features", list, "a list"), input_names(jet))
 
 
 def local_names(description: Mapping) -> list[str]:
@@ -82,9 +83,11 @@ def _check_target(parent: Mapping, above: str) -> None:
         raise PartError(f"{at}element_size = {target['element_size']!r} must be positive")
 
 
-def _check_jet(jet: Mapping) -> None:
-    if set(jet) != set(Jet._fields):
-        raise PartError(f"jet has {_shown(sorted(jet))}, must have {', '.join(Jet._fields)}")
+def checked_jet(jet: Mapping) -> Jet:
+    """The jet of a stored model; raise `PartError` with the first fault."""
+    fields = [name for name in Jet._fields if name != "geometry"]
+    if set(jet) - {"geometry"} != set(fields):
+        raise PartError(f"jet has {_shown(sorted(jet))}, must have {', '.join(fields)}")
     rates = [name for name in ("mass_rate", "number_rate") if jet[name] is not None]
     if len(rates) != 1:
         raise PartError("jet must have either mass_rate or number_rate")
@@ -94,11 +97,30 @@ def _check_jet(jet: Mapping) -> None:
     for name in (*rates, "plate_area", "patch_area"):
         if not _number(jet[name], f"jet.{name}") > 0.0:
             raise PartError(f"jet.{name} = {jet[name]!r} must be positive")
+    if jet.get("geometry") is not None:
+        _check_geometry(jet["geometry"])
+    return Jet(**jet)
 
 
-def _check_features(features: list) -> None:
+def _check_geometry(geometry: Any) -> None:
+    """Check that a geometry has a kind, and numbers or sampled quantities where they belong."""
+    shape = _part(_typed(geometry, Mapping, "jet.geometry", "an object"), "shape", Mapping,
+                  "an object", "jet.geometry.")  # fmt: skip
+    at = "jet.geometry.shape."
+    kind = _part(shape, "kind", str, "text", at)
+    if kind == "plates":
+        for place, plate in enumerate(_part(shape, "plates", list, "a list", at)):
+            _typed(plate, Mapping, f"{at}plates[{place}]", "an object")
+    for name, value in numbers_of(geometry).items():
+        if value not in (name, "plate_angle"):
+            _number(value, f"jet.geometry: {name}")
+    if "screw_revolutions" in numbers_of(geometry) and "screw_radius" not in numbers_of(geometry):
+        raise PartError(f"{at}radius is missing")
+
+
+def _check_features(features: list, known: Sequence[str]) -> None:
     names = []
-    units = {row.name: row.unit for row in SAMPLED}
+    units = {name: quantity(name).unit for name in known}
     for place, feature in enumerate(features):
         at = f"features[{place}]"
         _typed(feature, Mapping, at, "an object")
@@ -124,19 +146,23 @@ def _check_features(features: list) -> None:
 
 
 def check_arrays(
-    arrays: Mapping[str, np.ndarray], local: Sequence[str] = (), domain: bool = False
+    arrays: Mapping[str, np.ndarray],
+    width: int,
+    local: Sequence[str] = (),
+    domain: bool = False,
 ) -> None:
     """Check the content of the safetensors file; raise `PartError` with the first fault.
 
     Parameters
     ----------
     arrays : mapping of str to ndarray
+    width : int
+        Number of groups.
     local : sequence of str
         From `local_names`.
     domain : bool
         Whether the training cases must be there.
     """
-    width = len(GROUP_NAMES)
     for name in ("group_mean", "group_scale"):
         _array(arrays, name, (width,))
     if not (arrays["group_scale"] > 0.0).all():
@@ -145,11 +171,10 @@ def check_arrays(
         _array(arrays, "domain_rows", (None, width))
         _array(arrays, "domain_slopes", (width,))
     for prefix in ("", *map(local_prefix, local)):
-        _check_rate(arrays, prefix)
+        _check_rate(arrays, prefix, width)
 
 
-def _check_rate(arrays: Mapping[str, np.ndarray], prefix: str) -> None:
-    width = len(GROUP_NAMES)
+def _check_rate(arrays: Mapping[str, np.ndarray], prefix: str, width: int) -> None:
     scores = _array(arrays, f"{prefix}conformal", (None,))
     if not len(scores) or (scores < 0.0).any():
         raise PartError(f"{prefix}conformal must hold scores that are not negative, at least one")

@@ -126,7 +126,7 @@ def our_chute(code: str, variant: str, nudge: float = 0.0) -> dict[str, np.ndarr
     film.record(END, problem, state)
     ended = np.column_stack([film.frames[-1][name] for name in ("vx", "vy", "vz")])
     assert state.mesh is not None
-    pushed = state.mesh.sums[CELL_SUMS.index("normal_impulse")]
+    pushed = state.mesh.sums[:, CELL_SUMS.index("normal_impulse")]
     return {
         "impulse": np.array(impulse(ended)),
         "normal_impulse": pushed.reshape(-1, 2).sum(axis=1),

@@ -21,12 +21,12 @@ JET = Scene(
 
 
 class Rate(NamedTuple):
-    """Rate of F_n ds of the whole plate (W = 1) and its standard error, W; start, s; batches."""
+    """Rate of F_n ds of the whole plate (W = 1) and its standard error, W; start, s; freedom."""
 
     value: float
     stderr: float
     start: float
-    batches: int
+    freedom: float
 
 
 def jet_case(**changes) -> Case:
@@ -61,7 +61,7 @@ def rate_of(result: SimulationResult, measure: str = "total", start: float | Non
         result.time, result.worn[:, WEAR_MEASURES.index(measure)], start,
         release_interval=result.release_interval,
     )  # fmt: skip
-    return Rate(means.rate, means.stderr, start, means.batches)
+    return Rate(means.rate, means.stderr, start, means.freedom)
 
 
 def spread(values) -> tuple[float, float]:

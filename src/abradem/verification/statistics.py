@@ -38,7 +38,7 @@ def fixed_runs(replicates: int = REPLICATES, case: dict = _CASE, first: int = 0)
         rate = rate_of(result)
         rows.append(
             {"replicate": seed, "rate": rate.value, "rate_stderr": rate.stderr,
-             "reach": stats.t.ppf(0.975, rate.batches - 1) * rate.stderr}
+             "reach": stats.t.ppf(0.975, rate.freedom) * rate.stderr}
         )  # fmt: skip
     return pd.DataFrame(rows)
 

@@ -352,7 +352,8 @@ _PROPORTIONAL = (*WEAR_COLUMNS, *STDERR_COLUMNS, "worn_volume_rate", "wear_per_k
 def quality(run: dict, relative_stderr: float, setup: Setup) -> str:
     """Return the flags of a case joined by "+", or "ok".
 
-    ``shortfall``: less than 95 % of the requested feed was delivered. ``overlap``: an overlap
+    ``shortfall``: less than 95 % of the requested feed was delivered, although what finds no room
+    waits for it (``unplaced``). ``overlap``: an overlap
     exceeded 5 % of the radius. ``stderr``: the relative standard error of the plate mean is above
     the target. ``unsteady``: no steady state, no full window after it, or (if the runs have the
     column ``settled``) a record that still drifts at its end.
@@ -361,7 +362,8 @@ def quality(run: dict, relative_stderr: float, setup: Setup) -> str:
     steady = np.isfinite(run["steady_from"]) and window > 0.0 and run.get("settled", True)
     flags = {
         # Given releases have no requested rate (nan); the comparison is then False.
-        "shortfall": run["delivered_rate"] < SHORTFALL_SHARE * run["requested_rate"],
+        "shortfall": setup.unplaced == "wait"
+        and run["delivered_rate"] < SHORTFALL_SHARE * run["requested_rate"],
         "overlap": not run["max_overlap"] <= OVERLAP_SHARE,
         "stderr": not relative_stderr <= setup.target_stderr,
         "unsteady": not steady,

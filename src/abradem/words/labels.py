@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from abradem.quantities import WEAR_COLUMNS, quantity
+from abradem.quantities import GEOMETRY_GROUPS, MOST_PLATES, WEAR_COLUMNS, quantity
 
 
 class Label(NamedTuple):
@@ -17,6 +17,38 @@ class Label(NamedTuple):
     tex: str
     long_name: str
 
+
+_OF_PLATE = {
+    "length": Label("l", "length"),
+    "width": Label("b", "width"),
+    "angle": Label(r"\varphi", "angle"),
+    "gap": Label("x", "gap before"),
+    "drop": Label("h", "drop before"),
+    "belt": Label("u", "belt speed"),
+}
+
+GEOMETRY_LABELS: dict[str, Label] = {
+    **{
+        f"plate_{place}_{name}": Label(
+            f"{label.tex}_{place}",
+            f"{label.long_name} {'' if 'before' in label.long_name else 'of '}plate {place}",
+        )
+        for place in range(1, MOST_PLATES + 1)
+        for name, label in _OF_PLATE.items()
+    },
+    "arc_radius": Label("R_a", "radius of the arc"),
+    "arc_begin": Label(r"\alpha_0", "slope where the arc begins"),
+    "arc_end": Label(r"\alpha_1", "slope where the arc ends"),
+    "arc_width": Label("b_a", "width of the arc"),
+    "screw_length": Label("l_s", "length of the screw"),
+    "screw_radius": Label("R_s", "radius of the flight"),
+    "screw_shaft_radius": Label("r_s", "radius of the shaft"),
+    "screw_pitch": Label("p_s", "pitch of the screw"),
+    "screw_clearance": Label("c_s", "clearance of the flight"),
+    "screw_rim": Label("h_s", "height of the trough's walls"),
+    "screw_revolutions": Label("n_s", "speed of rotation of the screw"),
+}
+"""Labels of the quantities of a geometry."""
 
 LABELS: dict[str, Label] = {
     "particle_youngs_modulus": Label("E_p", "particle Young's modulus"),
@@ -41,6 +73,7 @@ LABELS: dict[str, Label] = {
     "damping_coefficient": Label(r"\eta", "damping coefficient"),
     **dict.fromkeys(WEAR_COLUMNS, Label(r"\dot h", "wear depth rate")),
     "impact_speed": Label("v", "speed of impact"),
+    **GEOMETRY_LABELS,
 }
 """Labels of the quantities of `abradem.quantities`, of all wear rates and of the impact speed."""
 
@@ -50,6 +83,25 @@ POWER_LABELS: dict[str, Label] = {
     "restitution": Label("1 + e", "1 + coefficient of restitution"),
 }
 """Labels of what has an exponent in a wear rate, see `abradem.dataset.power_fit`."""
+
+
+def _geometry_group(name: str, group: str) -> Label:
+    """Label of the group of a quantity of a geometry."""
+    tex, words = GEOMETRY_LABELS[name]
+    if group.startswith("log_"):
+        return Label(rf"\ln {tex}/H", f"{words} over the fall height")
+    if name == "screw_revolutions":
+        return Label(r"u_s/v", "rim speed of the screw over the speed of impact")
+    if name.endswith("_belt"):
+        return Label(f"{tex}/v", f"{words} over the speed of impact")
+    if group.endswith("_ratio"):
+        return Label(f"{tex}/H", f"{words} over the fall height")
+    return Label(tex, words)
+
+
+_GEOMETRY_GROUP_LABELS: dict[str, Label] = {
+    group: _geometry_group(name, group) for name, group in GEOMETRY_GROUPS.items()
+}
 
 GROUP_LABELS: dict[str, Label] = {
     "constant": Label(r"\ln C", "constant"),
@@ -64,6 +116,12 @@ GROUP_LABELS: dict[str, Label] = {
     "plate_angle": Label(r"\varphi", "plate angle"),
     "jet_width": Label(r"\cos\theta", "width of the jet"),
     "plate_angle_squared": Label(r"\varphi^2", "square of the plate angle"),
+    **_GEOMETRY_GROUP_LABELS,
+    **{
+        f"{name}_squared": Label(f"{tex}^2", f"square of the {words}")
+        for name, (tex, words) in _GEOMETRY_GROUP_LABELS.items()
+        if name in GEOMETRY_LABELS
+    },
 }
 """Labels of the terms of the power law: the constant and the groups of `abradem.surrogate`."""
 
@@ -110,5 +168,7 @@ ON_GROUPS = ("power_law", "boosting", "networks", "gaussian_process", "stacked",
 
 
 def feature_label(name: str) -> str:
-    """X number and symbol of a quantity, such as ``X13  $\\varphi$``."""
+    """X number, if it has one, and symbol of a quantity, such as ``X13  $\\varphi$``."""
+    if name in GEOMETRY_LABELS:
+        return f"${LABELS[name].tex}$"
     return f"{quantity(name).symbol}  ${LABELS[name].tex}$"

@@ -6,6 +6,7 @@ All texts, captions and tables on the target of a study use `WearTarget`, so tha
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from abradem.quantities import WEAR_COLUMNS, wear_parts
@@ -46,12 +47,23 @@ class WearTarget(NamedTuple):
         of the names, without its measure or its statistic being known.
     cells : bool
         Whether the statistics are over the cells of a geometry, which has no elements.
+    part : str or None
+        Named part of a geometry to which the rate is restricted.
     """
 
     name: str
     element_size: float | None = None
     known: bool = True
     cells: bool = False
+    part: str | None = None
+
+    @classmethod
+    def stored(cls, target: Mapping) -> WearTarget:
+        """The target of a model as stored in its description."""
+        return cls(
+            target["name"], target.get("element_size"), target.get("known", True),
+            target.get("cells", False), target.get("part"),
+        )  # fmt: skip
 
     @property
     def measure(self) -> str:
@@ -74,7 +86,10 @@ class WearTarget(NamedTuple):
         if not self.known:
             return OF_THE_TABLE
         if self.cells:
-            return _OF_CELLS[self.statistic]
+            place = _OF_CELLS[self.statistic]
+            if self.part is None:
+                return place
+            return f"{place.removesuffix(' over the surface')} of the part {self.part}"
         if self.element_size is None or not self.has_elements:
             return STATISTIC_WORDS[self.statistic]
         return _OF_ELEMENTS[self.statistic].format(size=f"{1e3 * self.element_size:g} mm")
@@ -103,8 +118,8 @@ WEAR_WORDS = {column: WearTarget(column).explained for column in WEAR_COLUMNS}
 """Descriptions of the wear rates of the data set, by column."""
 
 
-def wear_words(column: str, element_size: float | None = None, known: bool = True) -> str:
-    """Return of what place of the plate a wear rate is, such as "mean over the plate"."""
-    if column not in WEAR_WORDS:
+def place_of(target: Mapping) -> str:
+    """Return of what place a wear rate of a stored model is, such as "mean over the plate"."""
+    if target["name"] not in WEAR_WORDS:
         return OF_THE_TABLE
-    return WearTarget(column, element_size, known).place
+    return WearTarget.stored(target).place

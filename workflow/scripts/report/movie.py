@@ -1,4 +1,4 @@
-"""The film of plates side by side, and its last frame."""
+"""The film of plates side by side, or of a geometry, and its last frame."""
 
 from abradem.running.job_log import start_job
 
@@ -7,16 +7,15 @@ start_job(snakemake)
 import matplotlib.image
 
 from abradem.dem.model import Setup
-from abradem.figures.film import Shot, frames
+from abradem.figures.film import frames, shot_of
 from abradem.report.movie import require_encoder, write_movie
 from abradem.store.files import replacing
 from abradem.store.tables import read_table
-from abradem.wear.depths import depth_frames
 
 require_encoder()
 setup, measure = Setup.from_dict(snakemake.params.setup), snakemake.params.measure
 shots = [
-    Shot(case, read_table(particles), *depth_frames(read_table(wear), case, setup, measure))
+    shot_of(case, read_table(particles), read_table(wear), setup, measure)
     for case, particles, wear in zip(
         snakemake.params.cases, snakemake.input.particles, snakemake.input.wear, strict=True
     )

@@ -14,4 +14,5 @@ run_batch(
     {name: snakemake.output[name] for name in FILES},
     finished=snakemake.params.finished,
     code=snakemake.params.code,
+    threads=snakemake.threads,
 )

@@ -144,7 +144,7 @@ def leakage_free_split(
     x, y = table.features, table.target
     kept, checked = divide(table.groups[train], validation_share, np.random.default_rng(seed))
     fit, look = train[kept], train[checked]
-    columns, _ = select(x[fit], y[fit], count, lasso_alpha, ridge_alpha)
+    columns, _ = select(x[fit], y[fit], count, lasso_alpha, ridge_alpha, names=table.names)
     return Split(
         fit,
         look,
@@ -285,9 +285,9 @@ def fit_networks(
         "model": MODEL,
         "protocol": protocol,
         "fitness": _FITNESS[protocol],
-        "features": [FEATURE_NAMES[column] for column in split.columns],
-        "symbols": [quantity(FEATURE_NAMES[column]).symbol for column in split.columns],
-        "held_fixed": of_kind(FEATURE_NAMES, table.variation, HELD_FIXED),
+        "features": [table.names[column] for column in split.columns],
+        "symbols": [quantity(table.names[column]).symbol for column in split.columns],
+        "held_fixed": of_kind(table.names, table.variation, HELD_FIXED),
         "architecture": list(search.best.layers),
         "best_fitness": _stated(search.fitness),
         "lineage": _lineage(search),

@@ -27,6 +27,7 @@ and tests whether the variance of the residuals depends on the features.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -278,7 +279,7 @@ def fit_linear(
     residuals = _residuals(rows, fit, fitted)
     published, own = compare_equation(*_published_equation(rows))
     fixed = held_fixed(x)
-    coefficients = _coefficients(fit, fixed, confidence).assign(
+    coefficients = _coefficients(fit, rows.names, fixed, confidence).assign(
         variance_inflation=variance_inflation(x)
     )
     scores = results.scores
@@ -311,9 +312,9 @@ def fit_linear(
                 "rows": len(y), "train": train, "test": tested, "repeats": repeats,
                 "test_share": test_share, "seed": seed,
             },
-            "held_fixed": of_kind(FEATURE_NAMES, coefficients["variation"], HELD_FIXED),
-            "not_identified": of_kind(FEATURE_NAMES, coefficients["variation"], NOT_IDENTIFIED),
-            "notes": _notes(fit, fixed, len(y), train, tested, scores),
+            "held_fixed": of_kind(rows.names, coefficients["variation"], HELD_FIXED),
+            "not_identified": of_kind(rows.names, coefficients["variation"], NOT_IDENTIFIED),
+            "notes": _notes(fit, rows.names, fixed, len(y), train, tested, scores),
         },
     )  # fmt: skip
 
@@ -324,7 +325,9 @@ def _published_equation(table: Table) -> tuple[float, np.ndarray]:
     train, _ = published_split(len(table.target), PUBLISHED_SHARE)
     fit = least_squares(of_x.forward(table.features[train]), of_y.forward(table.target[train]))
     slopes = fit.coefficients * fit.of_target.scale / fit.of_features.scale
-    return float(fit.of_target.mean - fit.of_features.mean @ slopes), slopes
+    intercept = float(fit.of_target.mean - fit.of_features.mean @ slopes)
+    # Those of a geometry are not in the published equation.
+    return intercept, slopes[: len(FEATURE_NAMES)]
 
 
 def _misprints(published: pd.DataFrame) -> list[str]:
@@ -357,15 +360,17 @@ def _residuals(table: Table, fit: LeastSquares, fitted: np.ndarray) -> pd.DataFr
     )
 
 
-def _coefficients(fit: LeastSquares, fixed: np.ndarray, confidence: float) -> pd.DataFrame:
+def _coefficients(
+    fit: LeastSquares, names: Sequence[str], fixed: np.ndarray, confidence: float
+) -> pd.DataFrame:
     freedom = fit.degrees_of_freedom
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, freedom) if freedom else np.nan
     variation = np.where(fixed, HELD_FIXED, np.where(fit.identified, VARIED, NOT_IDENTIFIED))
     return pd.DataFrame(
         {
             "protocol": LEAKAGE_FREE,
-            "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
-            "feature": FEATURE_NAMES,
+            "symbol": [quantity(name).symbol for name in names],
+            "feature": list(names),
             "coefficient": np.where(fixed, np.nan, fit.coefficients),
             "standard_error": fit.standard_error,
             "lower": fit.coefficients - quantile * fit.standard_error,
@@ -391,13 +396,19 @@ def _equation(coefficients: pd.DataFrame) -> str:
 
 
 def _notes(
-    fit: LeastSquares, fixed: np.ndarray, rows: int, train: int, test: int, scores: pd.DataFrame
+    fit: LeastSquares,
+    names: Sequence[str],
+    fixed: np.ndarray,
+    rows: int,
+    train: int,
+    test: int,
+    scores: pd.DataFrame,
 ) -> list[str]:
     """Notes on what the rows do not allow, one line each."""
     notes = []
-    size = len(FEATURE_NAMES)
+    size = len(names)
     if fixed.any():
-        symbols = [quantity(name).symbol for name in np.array(FEATURE_NAMES)[fixed]]
+        symbols = [quantity(name).symbol for name in np.array(names)[fixed]]
         notes.append(f"held fixed, hence without a coefficient: {', '.join(symbols)}")
     free = size - int(fixed.sum())
     if fit.rank < free:

@@ -40,7 +40,7 @@ from abradem.learning.rows import (
     standard_scaler,
 )
 from abradem.learning.scores import central_columns, mean_columns, r2, scores_of
-from abradem.quantities import FEATURE_NAMES, quantity
+from abradem.quantities import quantity
 
 MODEL = "pca"
 WRONG = "pca_wrong_target"
@@ -188,7 +188,7 @@ def fit_pca(
     """
     x, y = table.features, table.target
     results = Results(table)
-    names = [FEATURE_NAMES[column] for column in table.varied]
+    names = [table.names[column] for column in table.varied]
     scaled = [scaler(x).forward(x)[:, table.varied] for scaler in (minmax_scaler, standard_scaler)]
     published, standard = map(principal_components, scaled)
     curve = [*_published_curves(results, published), _leakage_free_curve(
@@ -224,7 +224,7 @@ def fit_pca(
         summary={
             "groups": groups,
             "stiffness": {name: stiffness_words(found) for name, found in groups.items()},
-            "held_fixed": of_kind(FEATURE_NAMES, table.variation, HELD_FIXED),
+            "held_fixed": of_kind(table.names, table.variation, HELD_FIXED),
             "components": count,
             "components_of_the_splits": counts,
             "wrong_target": _wrong_target(curve[1]),
@@ -364,7 +364,7 @@ def _correlations(table: Table) -> pd.DataFrame:
     z = of_values.forward(values)
     z[:, held_fixed(values)] = np.nan
     found = z.T @ z / len(z)
-    names = [*FEATURE_NAMES, table.target_name]
+    names = [*table.names, table.target_name]
     return pd.DataFrame(
         {
             "symbol": np.repeat([quantity(name).symbol for name in names], len(names)),

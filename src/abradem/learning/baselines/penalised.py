@@ -30,7 +30,7 @@ from abradem.learning.model_files import about
 from abradem.learning.protocols import AS_PUBLISHED, LEAKAGE_FREE, folds
 from abradem.learning.rows import FEWEST_ROWS, Table, learning_table, standard_scaler
 from abradem.learning.scores import mean_columns, r2, scores_of
-from abradem.quantities import FEATURE_NAMES, quantity
+from abradem.quantities import quantity
 
 MODELS = ("lasso", "ridge")
 ALPHAS = {"lasso": (1.0, 3e-3), "ridge": (1e4, 1e-2)}
@@ -210,20 +210,20 @@ def fit_penalised(
             )
 
         evaluate_leakage_free(results, model, fit_leakage_free, test_share, repeats, seed)
-        rows += _weight_rows(model, AS_PUBLISHED, np.array(as_published), table.variation)
-        rows += _weight_rows(model, LEAKAGE_FREE, np.array(leakage_free), table.variation)
+        rows += _weight_rows(model, AS_PUBLISHED, np.array(as_published), table)
+        rows += _weight_rows(model, LEAKAGE_FREE, np.array(leakage_free), table)
 
         penalty = choose_alpha(model, x, y, table.groups, path_points, fold_count, seed)
         path = weights(model, z, v, penalty.alphas)
-        paths.append(_path_rows(model, penalty.alphas, path, table.varied))
+        paths.append(_path_rows(model, penalty.alphas, path, table))
         validation.append(_validation_rows(model, penalty))
         (final,) = weights(model, z, v, np.array([penalty.alpha]))
         summary[model] = {
             "alpha": {AS_PUBLISHED: published[model], LEAKAGE_FREE: penalty.alpha},
             "alphas_of_the_splits": chosen,
             "survivors": {
-                AS_PUBLISHED: _names(as_published[0]),
-                LEAKAGE_FREE: _names(final),
+                AS_PUBLISHED: _names(table, as_published[0]),
+                LEAKAGE_FREE: _names(table, final),
             },
         }
         models[model] = (
@@ -249,11 +249,11 @@ def fit_penalised(
     )
 
 
-def _names(found: np.ndarray) -> list[str]:
-    return [name for name, weight in zip(FEATURE_NAMES, found, strict=True) if weight != 0.0]
+def _names(table: Table, found: np.ndarray) -> list[str]:
+    return [name for name, weight in zip(table.names, found, strict=True) if weight != 0.0]
 
 
-def _weight_rows(model: str, protocol: str, found: np.ndarray, variation: np.ndarray) -> list[dict]:
+def _weight_rows(model: str, protocol: str, found: np.ndarray, table: Table) -> list[dict]:
     return [
         {
             "model": model,
@@ -264,14 +264,12 @@ def _weight_rows(model: str, protocol: str, found: np.ndarray, variation: np.nda
             "survives": np.nan if says == HELD_FIXED else float(np.mean(column != 0.0)),
             "variation": says,
         }
-        for name, column, says in zip(FEATURE_NAMES, found.T, variation, strict=True)
+        for name, column, says in zip(table.names, found.T, table.variation, strict=True)
     ]
 
 
-def _path_rows(
-    model: str, alphas: np.ndarray, path: np.ndarray, varied: np.ndarray
-) -> pd.DataFrame:
-    names = [FEATURE_NAMES[column] for column in varied]
+def _path_rows(model: str, alphas: np.ndarray, path: np.ndarray, table: Table) -> pd.DataFrame:
+    names = [table.names[column] for column in table.varied]
     return pd.DataFrame(
         {
             "model": model,
@@ -279,7 +277,7 @@ def _path_rows(
             "alpha": np.repeat(alphas, len(names)),
             "symbol": [quantity(name).symbol for name in names] * len(alphas),
             "feature": names * len(alphas),
-            "weight": path[:, varied].ravel(),
+            "weight": path[:, table.varied].ravel(),
         }
     )
 

@@ -16,6 +16,8 @@ represent many others. Neither proves that a feature matters.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 
@@ -40,12 +42,13 @@ def select(
     lasso_alpha: float = 0.1,
     ridge_alpha: float = 1.0,
     minmax: bool = False,
+    names: Sequence[str] = FEATURE_NAMES,
 ) -> tuple[np.ndarray, pd.DataFrame]:
     """Choose ``count`` features by the rule of this module.
 
     Parameters
     ----------
-    x : ndarray, shape (n, 20)
+    x : ndarray, shape (n, p)
     y : ndarray, shape (n,)
     count : int
         Number of features to choose.
@@ -54,6 +57,8 @@ def select(
     minmax : bool
         Whether to scale to 0...1 (as published) instead of standardising before the component
         analysis.
+    names : sequence of str
+        Of the features.
 
     Returns
     -------
@@ -87,8 +92,8 @@ def select(
     chosen_by[first], chosen_by[second] = "weight", "loading"
     table = pd.DataFrame(
         {
-            "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
-            "feature": FEATURE_NAMES,
+            "symbol": [quantity(name).symbol for name in names],
+            "feature": list(names),
             "lasso_weight": np.where(np.isnan(loading), np.nan, lasso),
             "ridge_weight": np.where(np.isnan(loading), np.nan, ridge),
             "leading_share": loading / (loading[varied].sum() or 1.0),
@@ -129,23 +134,27 @@ def fit_selection(
     """
     penalties = (lasso_alpha, ridge_alpha)
     frames, summary = [], {}
-    columns, chosen = select(table.features, table.target, count, *penalties, minmax=True)
+    columns, chosen = select(
+        table.features, table.target, count, *penalties, minmax=True, names=table.names
+    )
     frames.append(_labelled(AS_PUBLISHED, chosen, np.isin(np.arange(len(chosen)), columns)))
-    summary[AS_PUBLISHED] = _agreement(columns)
+    summary[AS_PUBLISHED] = _agreement(table.names, columns)
 
-    hits, of_splits = np.zeros(len(FEATURE_NAMES)), []
+    hits, of_splits = np.zeros(len(table.names)), []
     for train, _ in repeated_splits(table.keys, table.groups, test_share, repeats, seed):
-        columns, chosen = select(table.features[train], table.target[train], count, *penalties)
+        columns, chosen = select(
+            table.features[train], table.target[train], count, *penalties, names=table.names
+        )
         hits[columns] += 1.0
         of_splits.append((columns, chosen))
     of_first, first = of_splits[0]
     frames.append(_labelled(LEAKAGE_FREE, first, hits / repeats))
-    summary[LEAKAGE_FREE] = _agreement(of_first)
+    summary[LEAKAGE_FREE] = _agreement(table.names, of_first)
     selection = pd.concat(
         [frame.assign(variation=table.variation) for frame in frames], ignore_index=True
     )
     selection.loc[selection["variation"] == HELD_FIXED, "survives"] = np.nan
-    fixed = of_kind(FEATURE_NAMES, table.variation, HELD_FIXED)
+    fixed = of_kind(table.names, table.variation, HELD_FIXED)
     return selection, {
         "count": min(count, len(table.varied)), "held_fixed": fixed, **summary,
     }  # fmt: skip
@@ -155,12 +164,12 @@ def _labelled(protocol: str, chosen: pd.DataFrame, survives: np.ndarray) -> pd.D
     return chosen.assign(
         protocol=protocol,
         survives=np.asarray(survives, dtype=float),
-        in_paper=[name in SELECTED for name in FEATURE_NAMES],
+        in_paper=[name in SELECTED for name in chosen["feature"]],
     )
 
 
-def _agreement(columns: np.ndarray) -> dict:
-    names = [FEATURE_NAMES[column] for column in columns]
+def _agreement(known: Sequence[str], columns: np.ndarray) -> dict:
+    names = [known[column] for column in columns]
     shared = [name for name in names if name in SELECTED]
     return {
         "features": names,

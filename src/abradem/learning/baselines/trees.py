@@ -10,6 +10,7 @@ training rows. The random forest (Breiman 2001, Machine Learning 45:5) is leakag
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,7 +37,7 @@ from abradem.learning.protocols import (
 )
 from abradem.learning.rows import FEWEST_ROWS, Table, learning_table, standard_scaler
 from abradem.learning.scores import central_columns, mean_columns, r2, scores_of
-from abradem.quantities import FEATURE_NAMES, quantity
+from abradem.quantities import quantity
 
 TREE, FOREST = "tree", "forest"
 MOST_PENALTIES = 60
@@ -168,7 +169,7 @@ def fit_trees(
             ],
             ignore_index=True,
         ),
-        nodes=_nodes(arrays[TREE], tree.tree_.n_node_samples, scalers),
+        nodes=_nodes(arrays[TREE], table.names, tree.tree_.n_node_samples, scalers),
         importance=pd.concat(
             [_importance(TREE, tree, table), _importance(FOREST, forest, table)],
             ignore_index=True,
@@ -268,10 +269,10 @@ def _splits_on(table: Table, depth: int, feature: str) -> int:
     """Number of splits of the published tree that use a feature."""
     train, _ = published_split(len(table.target), PUBLISHED_SHARE)
     tree = grow(table.features[train], table.target[train], depth).tree_
-    return int(np.sum(tree.feature == FEATURE_NAMES.index(feature)))
+    return int(np.sum(tree.feature == table.names.index(feature)))
 
 
-def _nodes(arrays: dict, samples: np.ndarray, scalers) -> pd.DataFrame:
+def _nodes(arrays: dict, names: Sequence[str], samples: np.ndarray, scalers) -> pd.DataFrame:
     of_x, of_y = scalers
     count = len(arrays["value"])
     parent = np.full(count, -1)
@@ -279,7 +280,7 @@ def _nodes(arrays: dict, samples: np.ndarray, scalers) -> pd.DataFrame:
         inner = arrays[side] >= 0
         parent[arrays[side][inner]] = np.flatnonzero(inner)
     feature = arrays["feature"]
-    rows = [quantity(FEATURE_NAMES[column]) if column >= 0 else None for column in feature]
+    rows = [quantity(names[column]) if column >= 0 else None for column in feature]
     threshold = np.where(
         feature >= 0, of_x.mean[feature] + of_x.scale[feature] * arrays["threshold"], np.nan
     )
@@ -302,13 +303,13 @@ def _nodes(arrays: dict, samples: np.ndarray, scalers) -> pd.DataFrame:
 
 def _importance(model: str, fitted, table: Table) -> pd.DataFrame:
     # Trees do not tell a feature from a function of it, such as damping and restitution.
-    says = variation(table.features, FEATURE_NAMES)
+    says = variation(table.features, table.names)
     return pd.DataFrame(
         {
             "model": model,
             "protocol": LEAKAGE_FREE,
-            "symbol": [quantity(name).symbol for name in FEATURE_NAMES],
-            "feature": FEATURE_NAMES,
+            "symbol": [quantity(name).symbol for name in table.names],
+            "feature": list(table.names),
             "importance": np.where(says == HELD_FIXED, np.nan, fitted.feature_importances_),
             "variation": says,
         }

@@ -27,8 +27,8 @@ from abradem.learning.physical.problem import GROUP_SCALE, WearProblem
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
 from abradem.learning.rows import standard_scaler
 from abradem.learning.scores import has_spread, scores_of
-from abradem.quantities import SAMPLED, SAMPLED_NAMES, wear_parts
-from abradem.surrogate.groups import GROUP_NAMES, group_matrix, wear_scale
+from abradem.quantities import quantity, wear_parts
+from abradem.surrogate.groups import group_matrix, group_names, input_names, wear_scale
 from abradem.surrogate.model import Surrogate
 
 MODEL = "surrogate"
@@ -103,7 +103,7 @@ def distil(
 
 
 def _labels(process: GaussianProcess, groups: np.ndarray, scale: ErrorScale | None):
-    """Mean and deviation that the networks learn, each (n,), at groups (n, 10)."""
+    """Mean and deviation that the networks learn, each (n,), at groups (n, p)."""
     mean, deviation = process.predict_with_deviation(groups)
     return mean, deviation if scale is None else deviation * scale.at(groups)
 
@@ -163,7 +163,7 @@ def evaluate_surrogate(
         arrays["conformal"] = np.sort(np.abs(process.residuals) / process.deviations)
         description = _describe(given, {}, settings, None, 0.95)
         predicted = Surrogate(description, arrays).predict(
-            dict(zip(SAMPLED_NAMES, given.inputs[test].T, strict=True))
+            dict(zip(input_names(given.jet), given.inputs[test].T, strict=True))
         )
         # Surrogate and problem use the same unit, that of the headline wear rate.
         floor = float(given.table.target[rows].min())
@@ -184,8 +184,8 @@ def _describe(given: WearProblem, error: dict, settings: Settings, results, conf
         "table": given.table.name,
         "training_rows": len(given.table.target),
         "dataset_hash": given.table.hash,
-        "jet": given.jet._asdict(),
-        "groups": list(GROUP_NAMES),
+        "jet": given.jet.stored(),
+        "groups": list(group_names(given.jet)),
         "features": [
             {
                 "symbol": row.symbol,
@@ -193,7 +193,7 @@ def _describe(given: WearProblem, error: dict, settings: Settings, results, conf
                 "unit": row.unit,
                 "training_range": [float(low[place]), float(high[place])],
             }
-            for place, row in enumerate(SAMPLED)
+            for place, row in enumerate(map(quantity, input_names(given.jet)))
         ],
         "target": {"name": given.table.target_name, "unit": given.table.unit},
         "scores": {}
@@ -206,8 +206,9 @@ def _points(low, high, count: int, seed: int, given: WearProblem) -> np.ndarray:
     """Groups of cases spread evenly over the ranges, as a Latin hypercube."""
     from scipy.stats import qmc
 
-    unit = qmc.LatinHypercube(len(SAMPLED_NAMES), rng=np.random.default_rng(seed)).random(count)
-    values = dict(zip(SAMPLED_NAMES, (low + unit * (high - low)).T, strict=True))
+    names = input_names(given.jet)
+    unit = qmc.LatinHypercube(len(names), rng=np.random.default_rng(seed)).random(count)
+    values = dict(zip(names, (low + unit * (high - low)).T, strict=True))
     # Without initial velocity and without fall the wear number is undefined.
     possible = wear_scale(values, given.jet) > 0.0
     found = group_matrix({name: column[possible] for name, column in values.items()}, given.jet)

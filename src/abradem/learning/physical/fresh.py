@@ -18,6 +18,7 @@ from abradem.learning.physical.problem import WearProblem
 from abradem.learning.regions import Region, regions_of
 from abradem.learning.scores import r2, score
 from abradem.quantities import SAMPLED_NAMES
+from abradem.surrogate.groups import input_names
 from abradem.surrogate.model import Surrogate, highest_level
 
 EVERYWHERE = Region("all", "all cases", SAMPLED_NAMES[0], 0.0, np.inf)
@@ -57,7 +58,7 @@ def _of_one(
 ) -> tuple[pd.DataFrame, dict]:
     """Coverage and scores of one wear rate."""
     target = fresh.table.target_name
-    values = dict(zip(SAMPLED_NAMES, fresh.inputs.T, strict=True))
+    values = dict(zip(input_names(fresh.jet), fresh.inputs.T, strict=True))
     y = fresh.table.target
     highest = highest_level(surrogate.model(target).score_count)
     inside = {}

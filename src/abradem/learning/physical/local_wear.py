@@ -129,17 +129,29 @@ def _one(
 
 
 def with_meaning(
-    model: tuple[dict, dict[str, np.ndarray]], jet_known: bool, target_known: bool
+    model: tuple[dict, dict[str, np.ndarray]],
+    jet_known: bool,
+    target_known: bool,
+    cells: bool = False,
+    part: str | None = None,
 ) -> tuple[dict, dict[str, np.ndarray]]:
     """Description and arrays of a surrogate that says whether its jet and target are known.
 
     Of a table from elsewhere they may not be. The numbers of the jet are then a reference with
     which the groups are computed, and the names of the wear rates those of their columns alone.
+
+    Parameters
+    ----------
+    model : pair
+    jet_known, target_known : bool
+    cells, part
+        See `abradem.words.wear.WearTarget`; noted for a geometry alone.
     """
     description, arrays = model
+    place = {**({"cells": True} if cells else {}), **({"part": part} if part else {})}
 
     def said(one: dict) -> dict:
-        return {**one, "target": {**one["target"], "known": target_known}}
+        return {**one, "target": {**one["target"], "known": target_known, **place}}
 
     local = [said(one) for one in description.get("local", [])]
     return {**said(description), "jet_known": jet_known, "local": local}, arrays

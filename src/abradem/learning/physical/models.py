@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -18,8 +18,8 @@ from abradem.learning.physical.stacked import Stacked
 from abradem.learning.protocols import LEAKAGE_FREE, repeated_splits
 from abradem.learning.repeated_rows import repeats_among
 from abradem.learning.scores import central, middle_of, r2, scores_of
-from abradem.quantities import FEATURE_NAMES, SAMPLED_NAMES, WEAR_COLUMNS
-from abradem.surrogate.groups import GROUP_NAMES, Jet
+from abradem.quantities import FEATURE_NAMES, GEOMETRY_NAMES, WEAR_COLUMNS
+from abradem.surrogate.groups import GROUP_NAMES, Jet, group_names, input_names
 
 POWER_LAW, PROCESS, BOOSTING, NETWORKS, STACKED = MODELS = (
     "power_law", "gaussian_process", "boosting", "networks", "stacked",
@@ -33,8 +33,22 @@ BEST = PROCESS
 """The model behind intervals, sensitivity and surrogate."""
 
 
-def makers(seed: int, boosting: dict | None = None, networks: dict | None = None) -> dict:
-    """Constructors of the models, by name; ``boosting`` and ``networks`` are options."""
+def makers(
+    seed: int,
+    boosting: dict | None = None,
+    networks: dict | None = None,
+    groups: Sequence[str] = GROUP_NAMES,
+) -> dict:
+    """Constructors of the models, by name.
+
+    Parameters
+    ----------
+    seed : int
+    boosting, networks : dict, optional
+        Options of the models.
+    groups : sequence of str
+        Names of the groups, see `abradem.surrogate.groups.group_names`.
+    """
 
     def process():
         return GaussianProcess(seed, terms)
@@ -43,7 +57,7 @@ def makers(seed: int, boosting: dict | None = None, networks: dict | None = None
         return Boosting(**(boosting or {}), seed=seed)
 
     return {
-        POWER_LAW: PowerLaw,
+        POWER_LAW: lambda: PowerLaw(groups),
         PROCESS: process,
         BOOSTING: boosted,
         NETWORKS: lambda: Networks(**(networks or {}), seed=seed),
@@ -129,6 +143,7 @@ def fit_physical(
     exponents = law.exponents(fixed_quantities(given), given.jet.mass_rate is None)
     process = fitted(models[PROCESS], given, everything)
     scores = {name: scores_of(results.scores, name, LEAKAGE_FREE, confidence) for name in models}
+    names = input_names(given.jet)
     # If the process was fitted to a subset, its weights do not match the rows.
     doubted = process.weights < 0.5 if len(process.weights) == len(everything) else []
     summary = {
@@ -138,9 +153,9 @@ def fit_physical(
         "equation_tex": law.equation_tex(),
         "scatter": law.scatter,
         "exponents": exponents[exponents["kind"] == "quantity"].to_dict("records"),
-        "held_fixed": of_kind(SAMPLED_NAMES, given.variation, HELD_FIXED),
-        "not_identified": of_kind(SAMPLED_NAMES, given.variation, NOT_IDENTIFIED),
-        "lengths": dict(zip(GROUP_NAMES, process.lengths, strict=True)),
+        "held_fixed": of_kind(names, given.variation, HELD_FIXED),
+        "not_identified": of_kind(names, given.variation, NOT_IDENTIFIED),
+        "lengths": dict(zip(group_names(given.jet), process.lengths, strict=True)),
         "noise": process.noise,
         "outliers": [int(key) for key in given.table.keys[np.flatnonzero(doubted)]],
         "raised": given.raised,
@@ -153,8 +168,8 @@ def fit_physical(
         "table": given.table.name,
         "training_rows": len(everything),
         "dataset_hash": given.table.hash,
-        "groups": list(GROUP_NAMES),
-        "jet": given.jet._asdict(),
+        "groups": list(group_names(given.jet)),
+        "jet": given.jet.stored(),
         "target": {"name": given.table.target_name, "unit": given.table.unit},
         "scores": scores[PROCESS],
     }
@@ -162,14 +177,13 @@ def fit_physical(
 
 
 def fixed_quantities(given: WearProblem) -> list[str]:
-    """Quantities of the power law (`abradem.learning.physical.power_law.SHARES`) held fixed."""
-    fixed = set(of_kind(SAMPLED_NAMES, given.variation, HELD_FIXED))
+    """Quantities of the power law (`PowerLaw.shares`) that were held fixed."""
+    fixed = set(of_kind(input_names(given.jet), given.variation, HELD_FIXED))
     fixed |= {
-        FEATURE_NAMES[place]
-        for place in range(len(FEATURE_NAMES))
-        if place not in given.table.varied
+        name for place, name in enumerate(given.table.names) if place not in given.table.varied
     }
-    return [name for name in SHARES if (name if name in FEATURE_NAMES else VELOCITY) in fixed]
+    of_plate = [name for name in SHARES if (name if name in FEATURE_NAMES else VELOCITY) in fixed]
+    return of_plate + [name for name in GEOMETRY_NAMES if name in fixed]
 
 
 def all_targets(

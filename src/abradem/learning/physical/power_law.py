@@ -5,6 +5,9 @@ quadratic in the plate angle, for which a linear term is not sufficient::
 
     y = s C Fr^a (R/H)^b L^c Ca^d (G*/E*)^f mu_s^g mu_r^h (1+e)^k exp(p cos theta + q phi + r phi^2)
 
+The groups of a geometry (`abradem.surrogate.geometry_groups`) are further terms: powers of lengths,
+exponentials of ratios and of angles, with the squares of these.
+
 It is fitted by weighted least squares. The weight of a row is 1 / (n^2 + e_i^2), where e_i is the
 relative standard error of its simulation and n the residual scatter, estimated together with the
 law. Standard errors come from the HC3 sandwich estimator (MacKinnon and White 1985,
@@ -22,7 +25,7 @@ exponents of the quantities are reported as well. They are sums of the exponents
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 import pandas as pd
@@ -36,6 +39,7 @@ from abradem.dataset.variation import (
     row_space,
 )
 from abradem.learning.number_text import UNDETERMINED, number_or_words, number_with_error
+from abradem.quantities import GEOMETRY_GROUPS, GEOMETRY_NAMES
 from abradem.surrogate.groups import GROUP_NAMES
 
 _TOLERANCE = 1e-5
@@ -44,8 +48,8 @@ _TOLERANCE = 1e-5
 ROUNDS = 5
 """Iterations in which the weights and the scatter converge."""
 
-TERMS = (*GROUP_NAMES, "plate_angle_squared")
-"""Terms of the law in the order of its coefficients, without the constant."""
+SQUARED = ("plate_angle", *(name for name in GEOMETRY_NAMES if GEOMETRY_GROUPS[name] == name))
+"""Groups that are angles, of which the law has the square too."""
 
 _SPEED, _SIZE, _LOADING, _CAUCHY, _RATIO = range(5)
 
@@ -78,14 +82,22 @@ def shares_of(by_number: bool) -> dict[str, tuple[float, dict[int, float]]]:
 
 
 class PowerLaw:
-    """Power law fitted to groups (n, 10) and the logarithm of the wear number (n,).
+    """Power law fitted to groups (n, p) and the logarithm of the wear number (n,).
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the groups, see `abradem.surrogate.groups.group_names`.
 
     Attributes
     ----------
-    coefficients : ndarray, shape (12,)
-        ln C, then those of `TERMS`: 0 for groups held fixed, and of least norm where the rows do
-        not determine them.
-    covariance : ndarray, shape (12, 12)
+    terms : tuple of str
+        The groups and the squares of those that are angles, in the order of the coefficients,
+        without the constant.
+    coefficients : ndarray, shape (1 + number of terms,)
+        ln C, then those of ``terms``: 0 for groups held fixed, and of least norm where the rows
+        do not determine them.
+    covariance : ndarray, shape (1 + number of terms,) * 2
         HC3; nan if there are too few rows.
     variation : tuple of str
         For each coefficient ``varied``, ``held fixed`` or ``not identified``.
@@ -93,9 +105,15 @@ class PowerLaw:
         n, the residual scatter, relative.
     """
 
+    def __init__(self, names: Sequence[str] = GROUP_NAMES):
+        self.names = tuple(names)
+        self._squared = [place for place, name in enumerate(names) if name in SQUARED]
+        squares = (f"{names[place]}_squared" for place in self._squared)
+        self.terms = (*names, *squares)
+
     def fit(self, x: np.ndarray, target: np.ndarray, error: np.ndarray) -> PowerLaw:
         """Fit to groups, target and its standard errors (n,)."""
-        design, onto = self._reduced(_design(x))
+        design, onto = self._reduced(self._design(x))
         self.scatter = max(float(np.std(target)), 1e-12)
         for _ in range(ROUNDS):
             weight = 1.0 / (self.scatter**2 + error**2)
@@ -134,8 +152,9 @@ class PowerLaw:
         columns = terms[:, kept]
         self._centre, self._spread = columns.mean(axis=0), columns.std(axis=0)
         # Groups that are functions of each other are not told apart by the curvature of the
-        # function alone. The square of the angle is meant to be told apart in this way.
-        order = np.column_stack([ranks(terms[:, :-1]), terms[:, -1]])[:, kept]
+        # function alone. The square of an angle is meant to be told apart in this way.
+        groups = len(self.names)
+        order = np.column_stack([ranks(terms[:, :groups]), terms[:, groups:]])[:, kept]
         self._spaces = row_space(columns), row_space(order)
         space = self._spaces[0]
         if len(space) < len(kept):
@@ -155,7 +174,7 @@ class PowerLaw:
         return reduced, onto
 
     def _says_of(self, along: np.ndarray) -> str:
-        """What the rows say of the sum of the coefficients with the factors ``along`` (12,)."""
+        """What the rows say of the sum of the coefficients with the factors ``along``."""
         slopes = along[1:]
         if (slopes[self._fixed] != 0.0).any():
             return NOT_IDENTIFIED if (slopes[~self._fixed] != 0.0).any() else HELD_FIXED
@@ -167,8 +186,22 @@ class PowerLaw:
         return VARIED
 
     def predict(self, x: np.ndarray) -> np.ndarray:
-        """Logarithm of the wear number for groups (n, 10)."""
-        return _design(x) @ self.coefficients
+        """Logarithm of the wear number for groups (n, p)."""
+        return self._design(x) @ self.coefficients
+
+    def _design(self, x: np.ndarray) -> np.ndarray:
+        squares = [x[:, place] ** 2 for place in self._squared]
+        return np.column_stack([np.ones(len(x)), x, *squares])
+
+    def shares(self, by_number: bool = False) -> dict[str, tuple[float, dict[int, float]]]:
+        """`shares_of`, and the exponents of the lengths of a geometry."""
+        places = {name: place for place, name in enumerate(self.names)}
+        lengths = {
+            name: (0.0, {places[group]: 1.0})
+            for name, group in GEOMETRY_GROUPS.items()
+            if group.startswith("log_") and group in places
+        }
+        return {**shares_of(by_number), **lengths}
 
     def exponents(self, fixed: Collection[str] = (), by_number: bool = False) -> pd.DataFrame:
         """Exponents of quantities and coefficients of groups, with standard errors.
@@ -176,7 +209,7 @@ class PowerLaw:
         Parameters
         ----------
         fixed : collection of str
-            The quantities of `SHARES` that were held fixed in the rows.
+            The quantities of `shares` that were held fixed in the rows.
         by_number : bool
             Whether particles were fed by number, not by mass.
 
@@ -188,7 +221,7 @@ class PowerLaw:
             what was held fixed or is not identified are nan.
         """
         rows = []
-        for name, (in_scale, shares) in shares_of(by_number).items():
+        for name, (in_scale, shares) in self.shares(by_number).items():
             along = np.zeros(len(self.coefficients))
             for group, share in shares.items():
                 along[1 + group] = share
@@ -198,7 +231,7 @@ class PowerLaw:
             says = NOT_IDENTIFIED if says == HELD_FIXED and name not in fixed else says
             rows.append((name, "quantity", in_scale + along @ self.coefficients, error, says))
         errors = np.sqrt(np.diag(self.covariance))
-        terms = ("constant", *TERMS)
+        terms = ("constant", *self.terms)
         for name, value, error, says in zip(
             terms, self.coefficients, errors, self.variation, strict=True
         ):
@@ -218,6 +251,7 @@ class PowerLaw:
             "y = W m' v^2 / (2 A) * {c}{powers}{exponential}",
             ("Fr", "(R/H)", "L", "Ca", "(G*/E*)", "mu_s", "mu_r", "(1+e)"),
             ("cos(theta)", "phi", "phi^2"),
+            lambda term: _of_geometry(term, str),
             lambda base, shown: f"{base}^({shown})",
             lambda shown, term: f"({shown}) {term}",
             (" * ", " * exp({})"),
@@ -230,6 +264,7 @@ class PowerLaw:
             r"\dot h = \frac{{W \dot m v^2}}{{2A}}\, {c}{powers}{exponential}",
             ("Fr", "(R/H)", "L", "Ca", "(G^*/E^*)", r"\mu_s", r"\mu_r", "(1+e)"),
             (r"\cos\theta", r"\varphi", r"\varphi^2"),
+            lambda term: _of_geometry(term, lambda words: rf"\text{{{words.replace('_', ' ')}}}"),
             lambda base, shown: f"{base}^{{{shown}}}",
             lambda shown, term: rf"({shown})\,{term}",
             (r"\, ", r"\, \exp\left[{}\right]"),
@@ -239,21 +274,28 @@ class PowerLaw:
         )
 
     def _equation(
-        self, pattern, bases, terms, power, summand, between, sign,
+        self, pattern, bases, terms, named, power, summand, between, sign,
         aside=lambda words: f"; {words}", listed=", ".join,
     ) -> str:  # fmt: skip
         values, errors = self.coefficients, np.sqrt(np.diag(self.covariance))
-        count = len(bases)
-        # cos theta is the last group, and the plate angle the one before it.
-        order = (*range(1, count + 1), count + 2, count + 1, count + 3)
-        names = dict(zip(order, (*bases, *terms), strict=True))
+        places = {name: 1 + place for place, name in enumerate(self.terms)}
+        ordered = ("jet_width", "plate_angle", "plate_angle_squared")
+        names = dict(zip((places[name] for name in ordered), terms, strict=True))
+        bare = dict(zip(range(1, len(bases) + 1), bases, strict=True))
+        for name in self.terms[len(GROUP_NAMES) :]:
+            if name.startswith("log_"):
+                bare[places[name]] = named(name)
+            elif name != "plate_angle_squared":
+                names[places[name]] = named(name)
+        order = (*bare, *names)
+        names = {**bare, **names}
 
         def shown(place: int, form: str) -> str:
             return number_with_error(values[place], errors[place], form, sign)
 
         varied = [place for place in order if self.variation[place] == VARIED]
-        powers = [power(names[k], shown(k, ".3f")) for k in varied if k <= count]
-        sums = [summand(shown(k, "+.3f"), names[k]) for k in varied if k > count]
+        powers = [power(names[k], shown(k, ".3f")) for k in varied if k in bare]
+        sums = [summand(shown(k, "+.3f"), names[k]) for k in varied if k not in bare]
         said = pattern.format(
             c=number_or_words(factor_of(values[0]), ".3g") if self.variation[0] == VARIED else "C",
             powers="".join(between[0] + one for one in powers),
@@ -278,6 +320,10 @@ def factor_of(logarithm: float) -> float:
     return float(np.exp(min(logarithm, 700.0)))
 
 
-def _design(x: np.ndarray) -> np.ndarray:
-    angle = x[:, GROUP_NAMES.index("plate_angle")]
-    return np.column_stack([np.ones(len(x)), x, angle**2])
+def _of_geometry(term: str, written: Callable[[str], str]) -> str:
+    """A term of a geometry in the equation: a length over the fall height, a ratio or an angle."""
+    if term.startswith("log_"):
+        return f"({written(term.removeprefix('log_'))}/H)"
+    if term.endswith("_squared"):
+        return f"{written(term.removesuffix('_squared'))}^2"
+    return written(term)

@@ -25,8 +25,8 @@ import pandas as pd
 
 from abradem.dataset.variation import scales_of, settled, variation
 from abradem.learning.rows import Table, learning_table
-from abradem.quantities import SAMPLED_NAMES, stderr_column
-from abradem.surrogate.groups import Jet, group_matrix, wear_scale
+from abradem.quantities import stderr_column
+from abradem.surrogate.groups import Jet, group_matrix, input_names, wear_scale
 
 HEADLINE = "wear_total_mean"
 
@@ -44,10 +44,10 @@ class WearProblem(NamedTuple):
     ----------
     table : Table
         Features and target.
-    inputs : ndarray, shape (n, 14)
-        The sampled quantities in the units of `abradem.quantities`, free of float noise where
-        they were held fixed.
-    groups : ndarray, shape (n, 10)
+    inputs : ndarray, shape (n, 14 and those of a geometry)
+        The sampled quantities (`abradem.surrogate.groups.input_names`) in the units of
+        `abradem.quantities`, free of float noise where they were held fixed.
+    groups : ndarray, shape (n, 10 and those of a geometry)
         The dimensionless groups, likewise.
     scale : ndarray, shape (n,)
         Scale of the wear depth rate, mm/s.
@@ -78,7 +78,7 @@ class WearProblem(NamedTuple):
     @property
     def variation(self) -> np.ndarray:
         """What the rows say about each sampled quantity, see `abradem.dataset.variation`."""
-        return variation(self.inputs, SAMPLED_NAMES)
+        return variation(self.inputs, input_names(self.jet))
 
 
 def problem(
@@ -89,8 +89,8 @@ def problem(
     Parameters
     ----------
     dataset : pandas.DataFrame
-        Holds case_id, the 20 features and ``target``; simulated data sets also hold its standard
-        error.
+        Holds case_id, the 20 features, the sampled quantities of a geometry and ``target``;
+        simulated data sets also hold its standard error.
     jet : Jet
     target : str
         A wear-rate column, mm/s.
@@ -106,9 +106,10 @@ def problem(
     """
     table = learning_table(dataset, target, name, fewest)
     rows = dataset.sort_values("case_id", ignore_index=True)
-    sampled = np.column_stack([rows[key].to_numpy(dtype=float) for key in SAMPLED_NAMES])
-    sampled = settled(sampled, scales_of(SAMPLED_NAMES))
-    columns = {key: sampled[:, place].copy() for place, key in enumerate(SAMPLED_NAMES)}
+    names = input_names(jet)
+    sampled = np.column_stack([rows[key].to_numpy(dtype=float) for key in names])
+    sampled = settled(sampled, scales_of(names))
+    columns = {key: sampled[:, place].copy() for place, key in enumerate(names)}
     scale = wear_scale(columns, jet)
     number = table.target / scale
     positive = number > 0.0

@@ -15,6 +15,7 @@ from abradem.learning.physical.problem import WearProblem
 from abradem.learning.protocols import CURVE, folds, repeated_splits
 from abradem.learning.scores import central, middle_of, r2, score
 from abradem.quantities import SAMPLED_NAMES
+from abradem.surrogate.groups import input_names
 from abradem.surrogate.model import highest_level
 
 SMALLEST = 25
@@ -121,7 +122,7 @@ def extrapolate(given: WearProblem, models: dict[str, Callable], seed: int = 0) 
     """
     y = given.table.target
     everything = np.arange(len(y))
-    fixed = of_kind(SAMPLED_NAMES, given.variation, HELD_FIXED)
+    fixed = of_kind(input_names(given.jet), given.variation, HELD_FIXED)
     rows = []
     for test in TESTS:
         if test.quantity in fixed:

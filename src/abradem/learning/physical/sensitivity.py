@@ -4,7 +4,7 @@
 first-order index is the share explained by a quantity alone, the total index includes its
 interactions (Sobol 2001, Math. Comput. Simul. 55:271; estimators of Saltelli et al. 2010, Comput.
 Phys. Commun. 181:259, as in `scipy.stats.sobol_indices`). They require independent inputs, so
-they are computed for the 14 sampled quantities and not for the 20 features. Their intervals come
+they are computed for the sampled quantities and not for the features. Their intervals come
 from functions drawn from the posterior of the model, so they tell how sure the model is, the error
 of the integration included.
 
@@ -31,8 +31,7 @@ from abradem.learning.physical.problem import LARGEST_LOG, WearProblem
 from abradem.learning.protocols import DRAWS, SHUFFLES, repeated_splits
 from abradem.learning.rows import HUGE
 from abradem.learning.scores import mean_columns, r2
-from abradem.quantities import SAMPLED, SAMPLED_NAMES
-from abradem.surrogate.groups import group_matrix, wear_scale
+from abradem.surrogate.groups import group_matrix, input_names, wear_scale
 
 PAPER = ("archard_constant", "plate_angle", "particle_radius", "particle_velocity_y")
 """The dominant predictors according to the paper."""
@@ -46,8 +45,8 @@ MOST_ROWS = 300
 def predicted_wear(
     process: GaussianProcess | FunctionDraw, given: WearProblem, inputs: np.ndarray
 ) -> np.ndarray:
-    """Predicted wear depth rate (n,), mm/s, for sampled quantities (n, 14)."""
-    values = dict(zip(SAMPLED_NAMES, inputs.T, strict=True))
+    """Predicted wear depth rate (n,), mm/s, for sampled quantities (n, m)."""
+    values = dict(zip(input_names(given.jet), inputs.T, strict=True))
     number = process.predict(group_matrix(values, given.jet))
     return wear_scale(values, given.jet) * np.exp(np.minimum(number, LARGEST_LOG))
 
@@ -95,7 +94,7 @@ def sobol(
     says = given.variation
     rows = []
     for place, explained in enumerate(("wear", "log wear")):
-        for k, name in enumerate(SAMPLED_NAMES):
+        for k, name in enumerate(input_names(given.jet)):
             numbers: list[float] = []
             for order in range(2):
                 index = float(indices[order, place, k])
@@ -119,7 +118,7 @@ def _indices(
     points: int,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Sobol indices of a model, shape (2, 2, 14): first and total; wear and log wear; quantity.
+    """Sobol indices of a model, shape (2, 2, m): first and total; wear and log wear; quantity.
 
     They are nan for quantities held fixed, and where the wear has no variance.
     """
@@ -148,7 +147,7 @@ def _indices(
             dists=[stats.uniform(low[k], high[k] - low[k]) for k in varies],
             rng=rng,
         )
-    indices = np.full((2, 2, len(SAMPLED_NAMES)), np.nan)
+    indices = np.full((2, 2, given.inputs.shape[1]), np.nan)
     # With a single quantity the library leaves out its axis.
     indices[:, :, varies] = np.stack([found.first_order, found.total_order]).reshape(2, 2, -1)
     indices[:, ~np.any(spread_of, axis=0)] = np.nan
@@ -175,7 +174,7 @@ def permutation(
     """
     make = makers(seed)[PROCESS]
     says = given.variation
-    falls = np.zeros((repeats, len(SAMPLED_NAMES)))
+    falls = np.zeros((repeats, given.inputs.shape[1]))
     falls[:, says == HELD_FIXED] = np.nan
     splits = repeated_splits(given.table.keys, given.table.groups, test_share, repeats, seed)
     for repeat, (train, test) in enumerate(splits):
@@ -183,7 +182,7 @@ def permutation(
         y, inputs = given.table.target[test], given.inputs[test]
         whole = r2(y, predicted_wear(process, given, inputs))
         rng = np.random.default_rng([seed, repeat, SHUFFLES])
-        for column in range(len(SAMPLED_NAMES)):
+        for column in range(given.inputs.shape[1]):
             # Every quantity takes its draws, so that those of the others do not depend on it.
             for _ in range(PERMUTATIONS):
                 shuffled = inputs.copy()
@@ -192,7 +191,7 @@ def permutation(
                 falls[repeat, column] += fall / PERMUTATIONS
     return pd.DataFrame(
         {
-            "feature": SAMPLED_NAMES,
+            "feature": input_names(given.jet),
             "fall": mean_columns(falls),
             "fall_lower": _end_of(falls, np.inf).min(axis=0),
             "fall_upper": _end_of(falls, -np.inf).max(axis=0),
@@ -223,7 +222,8 @@ def partial_dependence(process: GaussianProcess, given: WearProblem, seed: int =
     count = len(given.inputs)
     kept = np.random.default_rng(seed).permutation(count)[:MOST_ROWS]
     rows = []
-    for column, (row, says) in enumerate(zip(SAMPLED, given.variation, strict=True)):
+    names = input_names(given.jet)
+    for column, (name, says) in enumerate(zip(names, given.variation, strict=True)):
         if says == HELD_FIXED:
             continue
         values = given.inputs[:, column]
@@ -231,7 +231,7 @@ def partial_dependence(process: GaussianProcess, given: WearProblem, seed: int =
             inputs = given.inputs[kept].copy()
             inputs[:, column] = setting
             wear = np.exp(np.mean(np.log(predicted_wear(process, given, inputs))))
-            rows.append((row.name, float(setting), float(wear)))
+            rows.append((name, float(setting), float(wear)))
     return pd.DataFrame(rows, columns=["feature", "setting", "predicted"])
 
 

@@ -122,7 +122,7 @@ def wear_maps(
         "table": given.table.name,
         "training_rows": len(rows),
         "dataset_hash": given.table.hash,
-        "jet": given.jet._asdict(),
+        "jet": given.jet.stored(),
         "groups": list(GROUP_NAMES),
         "plate": plate._asdict(),
         "floor": FLOOR,

@@ -271,12 +271,13 @@
 
   function drawCurve(predictions) {
     const one = byName[state.against];
+    if (!one) return;
     const rate = Model.rates[state.place];
     const log = at("log-axis").checked;
     Plotly.react("curve", traces(one, rate, POINTS, {}, predictions[state.place].rate), {
       font: FONT, margin: { l: 70, r: 12, t: 8, b: 48 }, showlegend: false,
       xaxis: { title: { text: title(one) }, type: one.decades ? "log" : "linear", fixedrange: true },
-      yaxis: { title: { text: "wear depth rate (mm/s)" }, type: log ? "log" : "linear", rangemode: "tozero", exponentformat: "power", fixedrange: true },
+      yaxis: { title: { text: "wear depth rate (mm/s)" }, type: log ? "log" : "linear", automargin: true, rangemode: "tozero", exponentformat: "power", fixedrange: true },
     }, SETTINGS);
     at("curve").setAttribute("aria-label",
       `${rate.place} against ${one.label}, with ${percent(state.confidence)} intervals; now ${short(predictions[state.place].rate)} mm/s`);
@@ -319,8 +320,7 @@
   // ---- Nearest cases and command ----
 
   function drawNearest() {
-    const columns = ["plate_angle", "factory_angle", "particle_radius", "particle_velocity_y", "archard_constant"]
-      .map((name) => byName[name]);
+    const columns = data.beside.map((name) => byName[name]);
     const found = Model.nearestCases(state.values, NEAREST);
     document.querySelector("#nearest thead").replaceChildren(element("tr", {},
       ...["Case", "Distance", "Simulated (mm/s)", "Predicted (mm/s)", ...columns.map(title), ""].map((text) =>
@@ -392,7 +392,9 @@
     at("study").textContent = data.study;
     at("about").textContent =
       `Predictions of the surrogate that learned from ${data.training_rows ?? data.cases.ids.length} cases. Everything is computed in this page.`;
-    if (!data.jet_known) at("about").textContent += " The jet behind the cases is not known; answers are for it alone.";
+    at("about").textContent += data.jet_known
+      ? " Feed, factory patch, fall height and plate have no sliders: they are those of the study, and another study has others."
+      : " The jet behind the cases is not known; answers are for it alone.";
     build();
     const highest = Model.highestLevel();
     const levels = USUAL_LEVELS.filter((level) => level <= highest);

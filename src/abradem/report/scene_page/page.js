@@ -8,6 +8,7 @@
   const FONT = { family: 'system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif', size: 12, color: "#1b1b1b" };
   const FACTORY = "#0072b2";
   const GOLDEN = 0.618034;
+  const SEEN_THROUGH = 0.3;
   const FEW = 1500;
   const SPEEDS = { "real time": 1, "2 times slower": 2, "5 times slower": 5, "10 times slower": 10 };
   const UP = { x: 0, y: 1, z: 0 };
@@ -122,13 +123,45 @@
     worn > 0
       ? data.colours[Math.min(Math.floor((worn / data.top) * data.colours.length), data.colours.length - 1)]
       : data.no_wear;
-  function surface(frame) {
-    const facecolor = [];
-    for (let cell = 0; cell < cells; cell += 1) {
-      const colour = colourOf(depth[frame * cells + cell]);
-      for (let part = 0; part < perCell; part += 1) facecolor.push(colour);
+  // Positions of the vertices at a time: turning parts turn about their axes (Rodrigues).
+  function positions(time) {
+    const { x, y, z } = SURFACE;
+    if (!data.turning.length) return { x, y, z };
+    const moved = { x: [...x], y: [...y], z: [...z] };
+    for (const { spin, point, direction, vertices: turned } of data.turning) {
+      const [cos, sin] = [Math.cos(spin * time), Math.sin(spin * time)];
+      const [a, b, c] = direction;
+      for (const one of turned) {
+        const [u, v, w] = [x[one] - point[0] * MM, y[one] - point[1] * MM, z[one] - point[2] * MM];
+        const along = (a * u + b * v + c * w) * (1 - cos);
+        moved.x[one] = point[0] * MM + along * a + cos * u + sin * (b * w - c * v);
+        moved.y[one] = point[1] * MM + along * b + cos * v + sin * (c * u - a * w);
+        moved.z[one] = point[2] * MM + along * c + cos * w + sin * (a * v - b * u);
+      }
     }
-    return { ...SURFACE, facecolor };
+    return moved;
+  }
+
+  // The surface as traces: of a geometry the cells with wear, and, seen through, those without.
+  function surface(frame) {
+    const placed = { ...SURFACE, ...positions(times[frame]) };
+    const groups = data.see_through ? [[], []] : [[]];
+    for (let cell = 0; cell < cells; cell += 1) {
+      groups[data.see_through && !(depth[frame * cells + cell] > 0) ? 1 : 0].push(cell);
+    }
+    return groups.map((chosen, place) => {
+      const trace = { ...placed, i: [], j: [], k: [], facecolor: [], opacity: place === 1 ? SEEN_THROUGH : 1 };
+      for (const cell of chosen) {
+        const colour = colourOf(depth[frame * cells + cell]);
+        for (let part = cell * perCell; part < (cell + 1) * perCell; part += 1) {
+          trace.i.push(SURFACE.i[part]);
+          trace.j.push(SURFACE.j[part]);
+          trace.k.push(SURFACE.k[part]);
+          trace.facecolor.push(colour);
+        }
+      }
+      return { ...trace, visible: chosen.length > 0 };
+    });
   }
 
   const corners = [...data.factory, data.factory[0]];
@@ -155,7 +188,8 @@
 
   const ranges = [0, 1, 2].map((axis) => [data.box[0][axis] * MM, data.box[1][axis] * MM]);
   const spans = ranges.map(([low, high]) => high - low);
-  const longest = Math.max(...spans);
+  // Equal axes, with the diagonal of a cube of edge 1, so that a long box is not small, nor cut.
+  const unitLength = Math.max(Math.hypot(...spans) / Math.sqrt(3), Math.max(...spans) / 1.2);
   const axis = (place, text) => ({
     range: ranges[place], autorange: false, title: { text }, showspikes: false, nticks: 5,
     gridcolor: "#dddddd", zeroline: false, showbackground: false,
@@ -172,9 +206,8 @@
       scene: {
         uirevision: state.view, dragmode: "orbit",
         xaxis: axis(0, "x (mm)"), yaxis: axis(1, "height (mm)"), zaxis: axis(2, "z (mm)"),
-        // Equal axes.
         aspectmode: "manual",
-        aspectratio: { x: spans[0] / longest, y: spans[1] / longest, z: spans[2] / longest },
+        aspectratio: { x: spans[0] / unitLength, y: spans[1] / unitLength, z: spans[2] / unitLength },
         camera: { up: UP, eye: eye(), center: { x: 0, y: -0.1, z: 0 } },
       },
     };
@@ -201,7 +234,7 @@
       `${short(deepest)} mm; ${untouched} of ${cells} ${data.cell} without wear.`;
     at("view").setAttribute("aria-label", `3-D view. ${at("words").textContent}`);
     if (drawable) {
-      await Plotly.react(at("view"), [surface(frame), trace, FEED, SCALE], layout(), {
+      await Plotly.react(at("view"), [...surface(frame), trace, FEED, SCALE], layout(), {
         displayModeBar: false, responsive: true, scrollZoom: true,
       });
     }

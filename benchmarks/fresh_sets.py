@@ -1,7 +1,7 @@
 """Coverage of the prediction intervals over training sets: on average, and how much it varies.
 
     snakemake coverage --configfile config.yaml studies/fresh_cases.yaml
-    python benchmarks/coverage.py config.yaml studies/fresh_cases.yaml
+    python benchmarks/fresh_sets.py config.yaml studies/fresh_cases.yaml
 
 A study and its fresh cases are one division of the same cases. Here they are divided at random,
 again and again, into as many to learn from and as many to test; the Gaussian process and its

@@ -1,0 +1,76 @@
+"""Estimated computing times of cases on geometries, beside measured ones and by hand."""
+
+from pathlib import Path
+
+import pytest
+
+from abradem.config import geometry_ranges, read_config, sampled_ranges, setup_dict
+from abradem.running.effort import estimate
+from abradem.sampling.cost import case_seconds
+from abradem.sampling.draw import block_cases
+from abradem.sampling.surface_cost import PASSING, STIRRED, presence
+
+ROOT = Path(__file__).parents[2]
+
+
+def study(name):
+    """Cases of a study, its set-up as plain values, and its configuration."""
+    config = read_config(ROOT / "config.yaml", ROOT / "studies" / f"{name}.yaml")
+    sampling = config.sampling
+    cases = block_cases(
+        config.seed, 0, sampling.cases_per_block, sampling.method, sampled_ranges(config),
+        geometry=geometry_ranges(config),
+    )  # fmt: skip
+    return cases, setup_dict(config), config
+
+
+MEASURED = {
+    "two_plates": {0: 0.19, 5: 0.41, 11: 0.34},
+    "curved_chute": {0: 0.19, 6: 0.20},
+    "chute_stl": {0: 0.09},
+}
+"""Processor times of single cases, s, by ``case_id``."""
+
+
+@pytest.fixture(autouse=True)
+def in_root(monkeypatch):
+    # The mesh of a study is named from there.
+    monkeypatch.chdir(ROOT)
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_the_estimate_is_within_a_factor_of_two_of_measured_times(name):
+    cases, setup, _ = study(name)
+    guess = case_seconds(cases, setup)[list(MEASURED[name])].sum()
+    assert 0.5 < guess / sum(MEASURED[name].values()) < 2.0
+
+
+def test_a_particle_stays_in_a_screw_until_it_is_conveyed_out():
+    """From a pitch before the closed end, 0.3 m, at a pitch of 0.1 m in each turn of a second."""
+    cases, setup, _ = study("screw")
+    dwell, share = presence(cases, setup)
+    assert dwell == pytest.approx([3.0, 3.0]) and (share == STIRRED).all()
+    # All that are present, 93 more a second until 3 s, in steps of 6.37 us of 1.28 us each.
+    present = 0.3 / 3.217e-3 * (0.5 * 3.0**2 + 3.0 * 3.0)
+    assert case_seconds(cases, setup)[0] == pytest.approx(present / 6.37e-6 * 1.28e-6, rel=0.02)
+
+
+def test_a_particle_passes_a_chute_on_its_fall():
+    """The diagonal of chute and factory at the mean of the speeds of the release and the end."""
+    cases, setup, _ = study("chute_stl")
+    dwell, share = presence(cases.assign(particle_velocity_y=-4.0), setup)
+    fast = (16.0 + 2.0 * 9.81 * 1.0) ** 0.5
+    diagonal = (0.6**2 + 1.179**2 + 0.4**2) ** 0.5
+    assert dwell[0] == pytest.approx(diagonal / (0.5 * (4.0 + fast)), rel=1e-3)
+    assert (share == PASSING).all()
+
+
+def test_a_case_that_cannot_be_simulated_costs_little():
+    cases, setup, _ = study("chute_stl")
+    aside = {**setup, "geometry": {**setup["geometry"], "centre": [9.0, 1.0, 9.0]}}
+    assert (case_seconds(cases, aside) < 0.02).all()
+
+
+def test_the_line_of_a_run_says_minutes_for_the_screw_and_seconds_for_chutes():
+    assert "simulated in about 4 min on 2 cores" in estimate(study("screw")[2], 2)
+    assert "simulated in about 5 s on 2 cores" in estimate(study("chute_stl")[2], 2)
