@@ -155,6 +155,15 @@ def test_the_card_names_every_column_range_licence_and_author(made):
     assert "is below 0.2 or" in card and "0.99900" in card
 
 
+def test_the_card_says_that_feed_may_be_lost(tmp_path):
+    results = Results(tmp_path)
+    losing = {**results.study.setup, "unplaced": "skip", "attempts": 3}
+    results.study = dataclasses.replace(results.study, setup=losing)
+    results.publish()
+    card = results.published()["README.md"].decode("utf-8")
+    assert "42 kg/s, less what finds no room at the factory (attempts: 3)" in card
+
+
 @pytest.mark.parametrize(
     "text",
     [
