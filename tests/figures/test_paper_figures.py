@@ -4,6 +4,7 @@ import importlib
 import inspect
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -205,6 +206,13 @@ def test_the_set_up_names_what_it_shows(angles, monkeypatch):
     assert_fit_to_print(figure)
     (mesh,) = figure.axes[1].collections
     assert np.nanmax(mesh.get_array()) == pytest.approx(mesh.get_clim()[1])
+
+
+def test_the_set_up_says_that_feed_may_be_lost(monkeypatch):
+    monkeypatch.setattr(style, "DPI", 60)
+    losing = replace(SETUP, unplaced="skip")
+    figure = setup_figure(particles(3), np.zeros(SETUP.facets), 1.0, CASE, losing, "friction")
+    assert "at most 4 kg/s" in texts(figure)
 
 
 def test_particles_cut_by_the_frame_are_not_within_it():

@@ -180,6 +180,15 @@ def test_the_card_lists_the_limits_by_region(made):
     assert int(found["plate below 12 deg"][1]) == 1
 
 
+def test_the_card_says_that_feed_may_be_lost(tmp_path):
+    results = Results(tmp_path)
+    losing = {**results.study.setup, "unplaced": "skip", "attempts": 3}
+    results.study = dataclasses.replace(results.study, setup=losing)
+    results.publish()
+    card = results.published()["README.md"].decode("utf-8")
+    assert "45 kg/s, less what finds no room at the factory (attempts: 3)" in card
+
+
 @pytest.mark.parametrize(
     "text",
     [

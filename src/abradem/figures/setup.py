@@ -286,6 +286,8 @@ def _words(particles: pd.DataFrame, case: Mapping[str, float], setup: Setup, mea
         if setup.mass_rate is not None
         else f"{setup.number_rate:g} particles per second"
     )
+    if setup.unplaced == "skip":
+        rate = f"at most {rate}"
     return (
         f"{len(particles)} particles of {_number(1e3 * case['particle_radius'])} mm radius, "
         f"{rate}; all other quantities in the middle of their ranges; "

@@ -127,6 +127,8 @@ def _making(said: Description) -> Iterable[str]:
         if setup["mass_rate"]
         else f"{setup['number_rate']:g} particles per second"
     )
+    if setup.get("unplaced") == "skip":
+        feed += f", less what finds no room at the factory (attempts: {setup['attempts']})"
     contact = ", ".join(f"{key}: {value}" for key, value in sorted(setup["contact"].items()))
     versions = ", ".join(f"{k} {v}" for k, v in sorted(said.versions["versions"].items()))
     pair = (
