@@ -112,7 +112,9 @@ def test_series_is_written_with_its_units(study, simulated, tmp_path):
 @pytest.mark.parametrize(("given", "interval"), [([], 0.01), (["--interval", "0.25"], 0.25)])
 def test_snapshots_are_those_of_the_same_case(study, simulated, monkeypatch, given, interval):
     written = []
-    module = types.SimpleNamespace(write_snapshots=lambda *what: written.append(what))
+    module = types.SimpleNamespace(
+        write_snapshots=lambda row, *rest: written.append((Case.from_row(row), *rest))
+    )
     monkeypatch.setitem(sys.modules, "abradem.simulation.snapshots", module)
     arguments = ["simulate", "--study", str(study), "--case", "3", "--snapshots", "s.parquet"]
     assert main([*arguments, *given]) == 0

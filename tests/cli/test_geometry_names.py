@@ -158,7 +158,7 @@ def asked(monkeypatch):
     class Enough(Exception):
         pass
 
-    def run_case(row, setup, progress=None):
+    def run_case(row, setup, progress=None, threads=1):
         found.append((row, setup))
         raise Enough
 

@@ -365,8 +365,8 @@ MALFORMED = {
         'config.yaml: learning.target: "wear_mean": is unknown (allowed wear_total_mean, wear_total_worn, wear_total_footprint, wear_total_p99, wear_total_max, wear_sliding_mean, wear_sliding_worn, wear_sliding_footprint, wear_sliding_p99, wear_sliding_max, wear_friction_mean, wear_friction_worn, wear_friction_footprint, wear_friction_p99, wear_friction_max)',
     ),
     "arc_that_reaches_the_plate": (
-        "study: a\nsimulation:\n  factory: {arc_radius_mm: 385, angle_acts: arc}\n",
-        "config.yaml: simulation.factory.arc_radius_mm: 385: must be less than the fall height (allowed below 385 mm)",
+        "study: a\nsimulation:\n  factory: {arc_radius_mm: 475, angle_acts: arc}\n",
+        "config.yaml: simulation.factory.arc_radius_mm: 475: must be less than the fall height (allowed below 475 mm)",
     ),
     "elements_that_do_not_fit": (
         "study: a\nwear_rate:\n  element_size_mm: 40\n",

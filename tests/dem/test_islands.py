@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abradem.dem import islands, simulate, synchronous
-from abradem.dem.agenda import NEIGHBOURS, NEVER, grown_agenda, make_agenda
+from abradem.dem.agenda import FEW, NEIGHBOURS, NEVER, grown_agenda, make_agenda
 from abradem.dem.bounds import (
     due_step,
     first_time_within,
@@ -18,8 +18,6 @@ from abradem.dem.bounds import (
     time_to_reach,
 )
 from abradem.dem.cells import (
-    SLACK,
-    cell_width,
     distance_to_leave,
     list_neighbours,
     time_to_leave,
@@ -107,6 +105,22 @@ def test_a_chain_passes_a_blow_on_to_the_particle_at_its_end(gap):
     state, _ = run_both(CASE, SMALL, 5000, ([0.0] * 13, places, velocities), pieces=5)
     last = np.sort(state.particles[:13], order="identity")[-1]
     assert last["vx"] > 1.0
+
+
+def test_a_meeting_with_a_particle_that_was_deflected_gives_way_to_the_next():
+    """The second particle is knocked off its way to the first, which then meets the fourth."""
+    # In cells beside each other, so that all meetings are found at the release.
+    places = [(0.0125, 0.35, 0.0125), (-0.0235, 0.35, 0.0125), (-0.0235, 0.35, 0.0425),
+              (0.0475, 0.35, 0.0125)]  # fmt: skip
+    velocities = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, -2.0), (-0.4, 0.0, 0.0)]
+    releases, dt = ([0.0] * 4, places, velocities), make_problem(CASE, SMALL)[0].dt
+    met = []
+    for time in (0.012, 0.03, 0.05):
+        state, agenda = run_both(CASE, SMALL, int(time / dt), releases, capacity=FEW)
+        met.append((int(agenda.plans["meet_with"][0]), float(state.particles["vx"][0])))
+    # The deflection is noticed when the meeting is due, after 16 ms.
+    assert met[:2] == [(1, 0.0), (-1, 0.0)]
+    assert met[2][1] < -0.2
 
 
 def test_a_particle_that_gains_speed_from_spin_breaks_its_pace():
@@ -281,7 +295,7 @@ def listed(agenda, cell, old=-1):
 def test_all_that_can_touch_are_in_the_cells_around(capacity):
     """Also if both have left their cells by the slack, and once each although cells repeat."""
     problem, state, agenda = placed_in_cells(capacity, 60, seed=3)
-    slack = SLACK * problem.radius
+    slack = agenda.clock["slack"][0]
     places = np.stack([state.particles[name][:60] for name in ("x", "y", "z")], axis=1)
     near = 0
     for i in range(60):
@@ -308,14 +322,15 @@ def test_new_neighbours_are_those_that_were_not_near_before():
 @given(
     seed=st.integers(0, 10**6),
     speed=st.sampled_from([0.0, 0.01, 1.0, 30.0]),
-    tall=st.sampled_from([1.0, 4.0]),
+    capacity=st.sampled_from([FEW, FEW + 1]),
 )
-def test_a_flight_leaves_its_cell_by_the_slack_at_the_time_that_is_told(seed, speed, tall):
+def test_a_flight_leaves_its_cell_by_the_slack_at_the_time_that_is_told(seed, speed, capacity):
     problem, _ = make_problem(CASE, SMALL)
     rng = np.random.default_rng(seed)
     place, velocity = rng.uniform(-0.3, 0.3, 3), rng.normal(0.0, 1.0, 3) * speed
-    time = time_to_leave(problem, tall, *place, *velocity)
-    size, slack = cell_width(problem) * np.array([1.0, tall, 1.0]), SLACK * problem.radius
+    clock = make_agenda(problem, capacity).clock[0]
+    time = time_to_leave(clock, problem.gravity, *place, *velocity)
+    size, slack = np.array([clock["width"], clock["height"], clock["width"]]), clock["slack"]
     low = np.floor(place / size) * size - slack
     high = low + size + 2.0 * slack
 
@@ -326,7 +341,7 @@ def test_a_flight_leaves_its_cell_by_the_slack_at_the_time_that_is_told(seed, sp
 
     assert max(outside(t) for t in np.linspace(0.0, time, 400)[:-1]) < 1e-9
     assert abs(outside(time)) < 1e-9
-    assert distance_to_leave(problem, tall, *place) == pytest.approx(-outside(0.0), abs=1e-12)
+    assert distance_to_leave(clock, *place) == pytest.approx(-outside(0.0), abs=1e-12)
 
 
 # Bounds

@@ -144,7 +144,7 @@ def test_samples_and_snapshots_are_the_same_bits():
         def record(self, time, problem, state):
             self.seen.append((time, float(state.tally["worn_total"][0])))
 
-    setup = dataclasses.replace(CROWDED, duration=0.1, stepping="synchronous")
+    setup = dataclasses.replace(CROWDED, fall_height=0.05, duration=0.035, stepping="synchronous")
     one, two = Recorder(), Recorder()
     alone = simulate(CASE, setup, recorder=one)
     together = simulate(CASE, setup, recorder=two, threads=2)

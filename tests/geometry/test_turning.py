@@ -7,7 +7,7 @@ import numpy as np
 from abradem.geometry.build import moving
 from abradem.geometry.kinds import Motion
 from abradem.geometry.shape import Shape
-from abradem.geometry.turning import corners_at, rotated, turning_parts
+from abradem.geometry.turning import corners_at, turned_about, turning_parts
 
 TWO = Shape(
     np.array([[1.0, 0, 0], [2, 0, 0], [1, 1, 0], [1, 1, 1]]),
@@ -20,7 +20,7 @@ TWO = Shape(
 def test_a_quarter_turn_about_an_axis_beside_the_origin():
     """(2, 0, 0) about the line through (1, 0, 0) along +y, right-handed: x goes to -z."""
     points = np.array([[2.0, 0.0, 0.0], [1.0, 5.0, 0.0], [1.0, 0.0, 1.0]])
-    found = rotated(points, (1.0, 0.0, 0.0), (0.0, 3.0, 0.0), 0.5 * math.pi)
+    found = turned_about(points, (1.0, 0.0, 0.0), (0.0, 3.0, 0.0), 0.5 * math.pi)
     np.testing.assert_allclose(found, [[1, 0, -1], [1, 5, 0], [2, 0, 0]], atol=1e-15)
 
 

@@ -26,6 +26,7 @@ def page(parts, cases):
 def test_the_answer_names_the_part_that_wears_most_and_what_spares_it():
     text = page(PARTS, CASES)
     assert "Of 2 parts lower wears most: 2.13 mm/s on average over 6 cases" in text
+    assert "; upper 1.04 mm/s. It falls with" in text
     assert (
         "It falls with plate 2 angle (rank correlation -1.00): 2.9 mm/s from 20 to 25 deg, "
         "1.25 mm/s from 40 to 45 deg." in text

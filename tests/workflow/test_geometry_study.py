@@ -1,6 +1,7 @@
 """A study of a geometry by the workflow: cells, parts, figures and the answer in words."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -29,18 +30,23 @@ SMALL = {
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory):
-    """The study of two plates with few cases and coarse cells."""
+def root(tmp_path_factory):
+    """A copy of the workflow, with the study of few cases and coarse cells as small.yaml."""
     root = tmp_path_factory.mktemp("geometry")
     for name in ("Snakefile", "config.yaml"):
         shutil.copy2(ROOT / name, root)
     for name in ("studies", "workflow", "profiles"):
         shutil.copytree(ROOT / name, root / name)
     (root / "small.yaml").write_text(yaml.safe_dump(SMALL))
+    return root
+
+
+def snakemake(root, *arguments):
+    """Run Snakemake on the study of two plates and return what it prints."""
     done = subprocess.run(
         [
             sys.executable, "-m", "snakemake", "--configfile", "config.yaml",
-            "studies/two_plates.yaml", "small.yaml",
+            "studies/two_plates.yaml", *arguments,
         ],
         cwd=root, text=True, check=False, timeout=1800, stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -48,7 +54,28 @@ def results(tmp_path_factory):
              "NUMBA_OPT": "1", "ABRADEM_CACHE_DIR": str(root / "cache")},
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def results(root):
+    """The study of two plates with few cases and coarse cells."""
+    snakemake(root, "small.yaml")
     return root / "results" / "chain"
+
+
+def test_enough_cases_end_in_models_and_few_in_their_parts(root):
+    """Models of the plate's maps and replicates are left out, and the paper's networks."""
+    many = set(re.findall(r"^(\w+) +\d+$", snakemake(root, "--dry-run"), re.MULTILINE))
+    few = set(re.findall(r"^(\w+) +\d+$", snakemake(root, "small.yaml", "-n"), re.MULTILINE))
+    models = {
+        "part_rows", "linear", "trees", "fit_physical", "surrogate", "sensitivity", "scores",
+        "explorer", "model_card", "findings",
+    }  # fmt: skip
+    of_plate = {"wear_maps", "replicates", "noise_floor", "speed_up", "ga_ann", "latex"}
+    assert models <= many and not of_plate & many
+    assert {"cells", "part_effects", "dataset"} <= many & few
+    assert not (models | of_plate) & few
 
 
 def test_the_data_set_has_the_quantities_of_the_geometry(results):

@@ -47,6 +47,7 @@ from abradem.store.files import (
 )
 from abradem.store.locks import lock_of_study
 from abradem.words.escaping import data_for_rst
+from abradem.words.labels import SURFACES
 
 
 def file_of_workflow(path):
@@ -103,6 +104,8 @@ CALIBRATES = CONFIG.calibration.table is not None
 # are left out, and geometry.smk adds its own results.
 WEARS_SURFACE = SIMULATED and CONFIG.simulation.geometry.kind != "plate"
 
+# What the particles wear, in words.
+WORN_SURFACE = SURFACES[CONFIG.simulation.geometry.kind if SIMULATED else "plate"]
 # Smallest number of cases of a geometry from which models are trained: with fewer the test rows of
 # a split are less than four. Smaller studies end with their cells and parts.
 FEWEST_LEARNED = 20
@@ -435,6 +438,7 @@ config["overview"] = str(OVERVIEW) if OVERVIEW.is_file() else ""
 config["summary"] = data_for_rst(read_if_sound(SUMMARY))
 config["recorded"] = data_for_rst(read_if_sound(VERSIONS))
 config["run_times"] = data_for_rst(run_times(Path(RESULTS, "benchmarks")))
+config["surface"] = WORN_SURFACE
 config["resolved"] = data_for_rst(CONFIG.model_dump(mode="json"))
 
 

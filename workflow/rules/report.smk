@@ -111,7 +111,7 @@ rule summary:
         options={
             "good_r2": CONFIG.wear_rate.good_r2,
             "external": CONFIG.dataset.external,
-            "element_size": TARGET["element_size"],
+            **{name: TARGET[name] for name in ("element_size", "cells", "part")},
         },
         code=code_of("report/summary"),
     script:
@@ -133,7 +133,11 @@ rule overview:
     conda:
         "../envs/abradem.yaml"
     params:
-        options={"study": CONFIG.study, "confidence": LEARNING.confidence},
+        options={
+            "study": CONFIG.study,
+            "confidence": LEARNING.confidence,
+            "surface": WORN_SURFACE,
+        },
         code=code_of("report/overview"),
     script:
         "../scripts/report/overview.py"

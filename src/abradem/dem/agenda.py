@@ -18,6 +18,9 @@ SLOTS = 32
 
 NEVER = 2**62
 
+SAFETY = 1e-7
+"""Relative enlargement of radii in predictions, far above the rounding error."""
+
 CROWD, THIN = 0.28, 0.2
 """Shares of the particles that touch something, above which `synchronous` takes over and up to
 which it hands back. What is faster changes between these shares, see docs/notes/performance.md."""
@@ -25,9 +28,12 @@ which it hands back. What is faster changes between these shares, see docs/notes
 SOONER = 1.5
 """Power of the number of threads with which these shares fall."""
 
-FEW, TALL = 256, 4.0
-"""Room for particles up to which cells are taller than wide, by this factor: a thin jet then falls
-through fewer cells, and few particles are in each."""
+SLACK = 0.1
+"""Distance by which a particle may leave its cell, in radii."""
+
+FEW, FEW_SLACK, FEW_TALL = 256, 0.25, 4.0
+"""Room for particles up to which cells have this larger slack, and are taller than wide by this
+factor: a thin jet then falls through fewer cells, and few particles are in each."""
 
 RING = 4096
 """Number of slots of the queue, a power of two. Slot ``step % RING`` lists who is due at a step."""
@@ -81,8 +87,10 @@ CLOCK = np.dtype(
         ("begun", np.int64),
         # Cells per axis of the grid: two to this power; 0: lists of cells and queue are not valid.
         ("bits", np.int64),
-        # Height of a cell in terms of its width.
-        ("tall", np.float64),
+        # Width and height of a cell, and distance by which a particle may leave it, m.
+        ("width", np.float64),
+        ("height", np.float64),
+        ("slack", np.float64),
         # Whether `synchronous` does the stepping at present, and the shares of particles in contact
         # above which it takes over and at which it hands back.
         ("crowded", np.int64),
@@ -149,7 +157,10 @@ def make_agenda(problem: Problem, capacity: int, threads: int = 1) -> Agenda:
         begun=np.zeros(8 * capacity, np.int64),
     )
     agenda.clock["bits"] = _bits(capacity)
-    agenda.clock["tall"] = TALL if capacity <= FEW else 1.0
+    slack = problem.radius * (FEW_SLACK if capacity <= FEW else SLACK)
+    width = 2.0 * problem.radius * (1.0 + SAFETY) + 2.0 * slack
+    agenda.clock["slack"], agenda.clock["width"] = slack, width
+    agenda.clock["height"] = width * (FEW_TALL if capacity <= FEW else 1.0)
     agenda.clock["crowd"] = CROWD / threads**SOONER
     agenda.clock["thin"] = THIN / threads**SOONER
     agenda.clock["threads"] = threads
@@ -168,8 +179,9 @@ def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
     """Return the agenda with room for ``capacity`` particles."""
     larger = make_agenda(problem, capacity)
     size = agenda.awake.size
-    larger.clock[:] = agenda.clock
-    larger.clock["tall"] = TALL if capacity <= FEW else 1.0
+    for name in CLOCK.names:
+        if name not in ("slack", "width", "height"):
+            larger.clock[name] = agenda.clock[name]
     # Lists of cells and queue are built again at their next use.
     larger.clock["bits"] = 0
     for name in ("plans", "awake", "rows"):

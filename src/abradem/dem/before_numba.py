@@ -1,6 +1,6 @@
 """Environment variables that numba reads when it is imported, removed before it is.
 
-The kernels run as compiled code alone, and on one thread.
+The kernels run as compiled code alone, and without the threads of numba.
 """
 
 from __future__ import annotations

@@ -11,12 +11,9 @@ import math
 
 import numpy as np
 
-from abradem.dem.agenda import NEVER
+from abradem.dem.agenda import NEVER, SAFETY
 from abradem.dem.cache import kernel
 from abradem.dem.vectors import dot
-
-SAFETY = 1e-7
-"""Relative enlargement of radii in predictions, far above the rounding error."""
 
 ALMOST_ONE = 1.0 - 1e-6
 """Added to a number of steps before its fraction is dropped: one less than 1 by more than the

@@ -13,17 +13,8 @@ import math
 import numpy as np
 
 from abradem.dem.agenda import NEIGHBOURS
-from abradem.dem.bounds import SAFETY, first_time_beyond
+from abradem.dem.bounds import first_time_beyond
 from abradem.dem.cache import kernel
-
-SLACK = 0.1
-"""Distance by which a particle may leave its cell, in radii."""
-
-
-@kernel(inline=True)
-def cell_width(problem):
-    """Width of a cell, m."""
-    return (2.0 * (1.0 + SAFETY) + 2.0 * SLACK) * problem.radius
 
 
 @kernel(inline=True)
@@ -52,50 +43,47 @@ def leave_cell(agenda, i):
 
 
 @kernel(inline=True)
-def cell_of(problem, agenda, x, y, z):
+def cell_of(agenda, x, y, z):
     """Cell of a point."""
-    width, bits = cell_width(problem), agenda.clock[0].bits
+    clock = agenda.clock[0]
+    bits = clock.bits
     mask = (1 << bits) - 1
-    cx = np.int64(math.floor(x / width)) & mask
-    cy = np.int64(math.floor(y / (agenda.clock[0].tall * width))) & mask
-    cz = np.int64(math.floor(z / width)) & mask
+    cx = np.int64(math.floor(x / clock.width)) & mask
+    cy = np.int64(math.floor(y / clock.height)) & mask
+    cz = np.int64(math.floor(z / clock.width)) & mask
     return (((cx << bits) | cz) << bits) | cy
 
 
 @kernel(inline=True)
-def change_cell(problem, agenda, i, x, y, z):
+def change_cell(agenda, i, x, y, z):
     """Enter particle i in the cell of a point."""
-    cell = cell_of(problem, agenda, x, y, z)
+    cell = cell_of(agenda, x, y, z)
     if cell != agenda.plans[i].cell:
         leave_cell(agenda, i)
         enter_cell(agenda, i, cell)
 
 
 @kernel(inline=True)
-def distance_to_leave(problem, tall, x, y, z):
-    """Distance that a particle at a point can move without leaving the cell by the slack, m.
-
-    Cells are ``tall`` times as high as wide.
-    """
-    width = cell_width(problem)
-    x, y, z = x / width, y / (tall * width), z / width
-    x, y, z = x - math.floor(x), y - math.floor(y), z - math.floor(z)
-    least = min(min(x, 1.0 - x), min(tall * min(y, 1.0 - y), min(z, 1.0 - z)))
-    return least * width + SLACK * problem.radius
+def distance_to_leave(clock, x, y, z):
+    """Distance that a particle at a point can move without leaving the cell by the slack, m."""
+    along = min(_to_border(x, clock.width), _to_border(z, clock.width))
+    return min(along, _to_border(y, clock.height)) + clock.slack
 
 
 @kernel(inline=True)
-def time_to_leave(problem, tall, x, y, z, vx, vy, vz):
-    """Time after which a flying particle has left the cell of its position by the slack, s.
+def _to_border(x, size):
+    low = x - math.floor(x / size) * size
+    return min(low, size - low)
 
-    Cells are ``tall`` times as high as wide.
-    """
-    width, slack = cell_width(problem), SLACK * problem.radius
-    time_x = _time_along(x, vx, width, slack)
-    time_z = _time_along(z, vz, width, slack)
-    height = tall * width
+
+@kernel(inline=True)
+def time_to_leave(clock, gravity, x, y, z, vx, vy, vz):
+    """Time after which a flying particle has left the cell of its position by the slack, s."""
+    slack, height = clock.slack, clock.height
+    time_x = _time_along(x, vx, clock.width, slack)
+    time_z = _time_along(z, vz, clock.width, slack)
     low = y - math.floor(y / height) * height
-    time_y = first_time_beyond(low + slack, height - low + slack, vy, problem.gravity)
+    time_y = first_time_beyond(low + slack, height - low + slack, vy, gravity)
     return min(time_x, min(time_y, time_z))
 
 

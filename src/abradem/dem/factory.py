@@ -71,7 +71,7 @@ def _is_free_in_cells(problem, state, agenda, x, y, z):
 
     The positions of flying particles in the state may be those of an earlier step.
     """
-    cell = cell_of(problem, agenda, x, y, z)
+    cell = cell_of(agenda, x, y, z)
     for m in range(list_neighbours(agenda, cell, -1)):
         other = state.particles[agenda.lists[NEIGHBOURS, m]]
         place = (other.x, other.y, other.z)
@@ -86,7 +86,7 @@ def _is_free_in_cells(problem, state, agenda, x, y, z):
 def _place(problem, state, agenda, place, velocity, spin):
     """Add a particle with the given position, velocity and spin at the current step."""
     if agenda is not None:
-        cell = cell_of(problem, agenda, place[0], place[1], place[2])
+        cell = cell_of(agenda, place[0], place[1], place[2])
         enter_cell(agenda, state.tally[0].live, cell)
     tally = state.tally[0]
     new = tally.live

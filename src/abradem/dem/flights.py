@@ -73,9 +73,8 @@ def plan_pairs(problem, state, agenda, i, now):
         plan.meet_due = plan.meet_next = NEVER
     # The two earliest meetings.
     first, second, partner = np.inf, np.inf, -1
-    change_cell(problem, agenda, i, x, y, z)
-    tall = agenda.clock[0].tall
-    leaves = due_step(problem, now, time_to_leave(problem, tall, x, y, z, vx, vy, vz))
+    change_cell(agenda, i, x, y, z)
+    leave = time_to_leave(agenda.clock[0], gravity, x, y, z, vx, vy, vz)
     reach = 2.0 * radius * (1.0 + SAFETY)
     contact2 = 4.0 * radius * radius
     touched = 0
@@ -113,7 +112,7 @@ def plan_pairs(problem, state, agenda, i, now):
         plan.meet_due, plan.meet_with = now + 1, -1
     elif first < np.inf:
         _note_meetings(problem, plan, now, first, second, partner)
-    plan.leave_due = max(leaves, now + 1)
+    plan.leave_due = max(due_step(problem, now, leave), now + 1)
     return touched
 
 

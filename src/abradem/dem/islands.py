@@ -421,7 +421,7 @@ def plan_all(problem, state, agenda):
         particle, plan = particles[i], agenda.plans[i]
         if particle.motion == GONE:
             continue
-        enter_cell(agenda, i, cell_of(problem, agenda, particle.x, particle.y, particle.z))
+        enter_cell(agenda, i, cell_of(agenda, particle.x, particle.y, particle.z))
         plan.plate_due = plan.meet_due = tally.step
         plan.meet_with = -1
         plan.awake = 1 if particle.motion == TOUCHING else 0

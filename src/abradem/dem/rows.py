@@ -129,8 +129,8 @@ def _make_row(problem, state, agenda, i, now, touching):
     a = particles[i]
     radius, dt = problem.radius, problem.dt
     fastest = _set_course(problem, a, plan, touching == now)
-    change_cell(problem, agenda, i, a.x, a.y, a.z)
-    leave = distance_to_leave(problem, agenda.clock[0].tall, a.x, a.y, a.z)
+    change_cell(agenda, i, a.x, a.y, a.z)
+    leave = distance_to_leave(agenda.clock[0], a.x, a.y, a.z)
     steps = max(np.int64(min(leave / (fastest * dt), float(LONGEST_ROW))), 1)
     contact2 = 4.0 * radius * radius
     count = list_neighbours(agenda, plan.cell, -1)

@@ -23,10 +23,10 @@ from abradem.dem.state import PAIR, PAIRS_PER_PARTICLE, PARTICLE, TALLY
 PART = 64
 """Number of particles whose pairs are a part of a new pair list. Threads look for parts in turn."""
 
-LOOKS = 20_000
-"""Looks at the number of another thread, some ten microseconds, before a thread sleeps. What it
-waits for is mostly sooner, unless other work has the core of the other thread; who sleeps then is
-woken before those who do not."""
+LOOKS = 100_000
+"""Looks at the number of another thread, some forty microseconds, before a thread sleeps for about
+as long. What it waits for is mostly sooner, unless other work has the core of the other thread; who
+sleeps then is woken before those who do not."""
 
 LINE = 16
 """Numbers in two lines of the cache, which processors load together: what a thread writes in every

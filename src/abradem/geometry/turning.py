@@ -29,7 +29,7 @@ def corners_at(surface: Surface, time: float) -> np.ndarray:
     corners = surface.vertices[surface.triangles]
     for part in turning_parts(surface):
         chosen = surface.part == part
-        corners[chosen] = rotated(
+        corners[chosen] = turned_about(
             corners[chosen],
             surface.axis_point[part],
             surface.axis_direction[part],
@@ -43,7 +43,7 @@ def turning_parts(surface: Surface) -> list[int]:
     return [int(part) for part in np.flatnonzero(surface.angular_velocity)]
 
 
-def rotated(points: np.ndarray, centre, direction, angle: float) -> np.ndarray:
+def turned_about(points: np.ndarray, centre, direction, angle: float) -> np.ndarray:
     """Return points (..., 3) turned by an angle (rad), right-handed, about an axis."""
     axis = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
     arm = points - np.asarray(centre, dtype=float)

@@ -32,6 +32,7 @@ def overview_page(
     template: str,
     confidence: float,
     noise: Mapping | None = None,
+    surface: str = "an inclined plate",
 ) -> str:
     """The first screen as a page of its own, which the report contains.
 
@@ -51,10 +52,13 @@ def overview_page(
         Share of the splits between the ends of an interval of a score.
     noise : mapping, optional
         From `abradem.learning.physical.noise_floor`; None without simulations.
+    surface : str
+        What the particles wear, in words.
     """
     models = same_splits(comparison)
     parts = {
         "STUDY": for_html(study),
+        "SURFACE": for_html(surface),
         "ANSWER": for_html(answer(summary, models, noise)),
         "NUMBERS": "".join(
             f"<div><strong>{for_html(number)}</strong><span>{for_html(words)}</span></div>"

@@ -39,15 +39,18 @@ def parts_page(
 
 
 def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, column: str) -> str:
-    """Return one sentence on the part that wears most, and what spares it."""
+    """Return one sentence on the rates of the parts, and what spares the one that wears most."""
     if parts.empty:
         return "No case gave a wear rate."
     means = parts.groupby("part_name", sort=False)[column].mean()
     worst = str(means.idxmax())
     begin = f"Of {len(means)} parts {worst} wears most" if len(means) > 1 else f"{worst} wears"
+    others = means.drop(worst).sort_values(ascending=False)
+    rest = ", ".join(f"{part} {rate:.3g} mm/s" for part, rate in others.items())
     text = (
         f"{begin}: {means[worst]:.3g} mm/s on average over "
-        f"{_count(parts['case_id'].nunique())} ({WearTarget(column).of_part})."
+        f"{_count(parts['case_id'].nunique())} ({WearTarget(column).of_part})"
+        f"{'; ' if rest else ''}{rest}."
     )
     clear = effects[effects["rank_correlation"].abs() >= CLEAR]
     of_worst = clear[clear["part_name"] == worst]

@@ -21,6 +21,8 @@ def study_summary(
     good_r2: float,
     external: str | None = None,
     element_size: float | None = None,
+    cells: bool = False,
+    part: str | None = None,
 ) -> dict:
     """Headline numbers of a study.
 
@@ -36,8 +38,8 @@ def study_summary(
         Smallest R2 of a cumulative series that counts as good.
     external : str, optional
         Path of the external table, if the data set was not simulated.
-    element_size : float, optional
-        Edge of the elements of the target, m.
+    element_size, cells, part
+        Of the target, see `abradem.words.wear.WearTarget`.
 
     Returns
     -------
@@ -59,7 +61,9 @@ def study_summary(
         "cases": len(dataset),
         "target": name,
         "target_words": (
-            WearTarget(name, element_size).words if external is None else LABELS[name].long_name
+            WearTarget(name, element_size, cells=cells, part=part).words
+            if external is None
+            else LABELS[name].long_name
         ),
         "wear_range": [float(target.min()), float(target.max())],
         "misprints": linear["misprints"],

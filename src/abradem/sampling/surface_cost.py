@@ -20,10 +20,11 @@ from abradem.geometry.build import factory_of, geometry_described
 from abradem.geometry.kinds import Geometry, Plates, Screw
 from abradem.geometry.shape import GeometryError
 
-PASSING, STIRRED = 0.8, 32.0
-"""Steps of contact per step of a particle that is present, in the time of one on the plate: where
-particles pass, and where a part turns. ``python benchmarks/order.py results/<study>`` compares the
-estimate with the times of a finished study."""
+PASSING, STIRRED = 0.8, 3.3
+"""Cost of a particle that is present for a step, in that of a step in contact with the plate: where
+particles pass, and where a part turns. The first is from six cases of the studies of chutes, the
+second from a full screw, in which 467 particles took 10 s for a simulated second.
+``python benchmarks/order.py results/<study>`` compares the estimate with a finished study."""
 
 
 def presence(cases: pd.DataFrame, setup: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:

@@ -141,6 +141,15 @@ STATISTIC_WORDS = {
 }
 """Descriptions of the statistics over the plate of `abradem.quantities.STATISTICS`."""
 
+SURFACES = {
+    "plate": "an inclined plate",
+    "plates": "a chain of plates",
+    "arc": "a curved chute",
+    "mesh": "a triangulated surface",
+    "screw": "a screw conveyor",
+}
+"""What the particles wear, by kind of geometry."""
+
 PROTOCOLS = {"as_published": "as published", "leakage_free": "leakage-free"}
 """Display names of the protocols of `abradem.learning.protocols`."""
 
