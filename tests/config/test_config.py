@@ -19,7 +19,6 @@ from hypothesis import strategies as st
 from abradem.config import (
     Config,
     ConfigError,
-    declaration,
     documentation,
     explaining,
     jet_is_known,
@@ -29,6 +28,7 @@ from abradem.config import (
     sampled_ranges,
     schema,
     setup_dict,
+    simulation_keys,
     to_yaml,
 )
 from abradem.dem import model
@@ -959,10 +959,10 @@ def test_schema_refuses_unknown_keys_everywhere():
 @pytest.mark.parametrize(
     ("section", "name", "allowed"),
     [
-        (declaration.Contact, "normal", model.NORMAL_LAWS),
-        (declaration.Contact, "tangential", model.TANGENTIAL_LAWS),
-        (declaration.Contact, "tangential_damping", model.TANGENTIAL_DAMPINGS),
-        (declaration.Simulation, "stepping", model.STEPPINGS),
+        (simulation_keys.Contact, "normal", model.NORMAL_LAWS),
+        (simulation_keys.Contact, "tangential", model.TANGENTIAL_LAWS),
+        (simulation_keys.Contact, "tangential_damping", model.TANGENTIAL_DAMPINGS),
+        (simulation_keys.Simulation, "stepping", model.STEPPINGS),
     ],
 )
 def test_options_are_those_of_the_engine(section, name, allowed):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from abradem.config.declaration import Simulation
+from abradem.config.simulation_keys import Simulation
 from abradem.dem.model import Setup
 from abradem.quantities import WEAR_MEASURES
 from abradem.store.tables import read_table, read_units

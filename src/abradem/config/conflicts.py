@@ -6,8 +6,10 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from abradem.config.declaration import STATED, Config, Factory, PlateKeys, Stop
+from abradem.config.declaration import Config
 from abradem.config.keys import Key
+from abradem.config.simulation_keys import Factory, PlateKeys, Stop
+from abradem.config.table_keys import STATED
 from abradem.config.unused import unused
 from abradem.quantities import WEAR_MEASURES
 

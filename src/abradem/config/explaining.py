@@ -12,7 +12,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from abradem.config.declaration import Config, Section, interval_text, not_a_number
+from abradem.config.declaration import Config
+from abradem.config.fields import Section, interval_text, not_a_number
 from abradem.config.keys import Key, dotted
 
 

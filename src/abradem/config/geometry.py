@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from abradem.config.declaration import Config, GeometryKeys
+from abradem.config.declaration import Config
+from abradem.config.geometry_keys import GeometryKeys
 
 
 def geometry_dict(config: Config) -> dict | None:

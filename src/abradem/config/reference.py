@@ -8,8 +8,9 @@ from pathlib import Path
 
 from pydantic.fields import FieldInfo
 
-from abradem.config.declaration import Config, Section, number_text
+from abradem.config.declaration import Config
 from abradem.config.explaining import allowed_text, section_class
+from abradem.config.fields import Section, number_text
 from abradem.config.keys import Key, dotted, show
 from abradem.config.quantity_texts import with_texts
 

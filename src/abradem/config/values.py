@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import yaml
 
-from abradem.config.declaration import STATED, Config, to_si
+from abradem.config.declaration import Config
+from abradem.config.fields import to_si
 from abradem.config.geometry import geometry_dict, geometry_ranges
+from abradem.config.table_keys import STATED
 from abradem.config.unused import unused_quantities
 from abradem.quantities import SAMPLED
 

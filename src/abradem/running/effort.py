@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 
-from abradem.config.declaration import UNKNOWN, Config
+from abradem.config.declaration import Config
 from abradem.config.geometry import geometry_ranges
+from abradem.config.table_keys import UNKNOWN
 from abradem.config.values import sampled_ranges, setup_dict
 from abradem.dem.cache import compiling_words, is_compiled
 
