@@ -350,7 +350,7 @@ def steady_figure(rates: pd.DataFrame, series: pd.DataFrame) -> Figure:
 def conveyor_figure(rates: pd.DataFrame) -> Figure:
     """Wear depth rates for the assumed loads, and the published order of magnitude."""
     with style.style():
-        figure, (panel,) = style.panels(1, 1, 2.6, style.PAGE)
+        figure, (panel,) = style.panels(1, 1, 3.4, style.PAGE)
         panel.barh(rates["scene"], rates["depth_rate"], color=style.BLUE, height=0.6)
         panel.set_xscale("log")
         panel.axvline(1e-6, color=style.RED, ls="--", lw=0.9, label="published order of magnitude")
