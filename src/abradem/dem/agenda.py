@@ -169,7 +169,7 @@ def grown_agenda(agenda: Agenda, problem: Problem, capacity: int) -> Agenda:
     """Return the agenda with room for ``capacity`` particles."""
     larger = make_agenda(problem, capacity)
     size = agenda.awake.size
-    for name in CLOCK.names:
+    for name in CLOCK.names or ():
         if name not in ("slack", "width", "height"):
             larger.clock[name] = agenda.clock[name]
     # Lists of cells and queue are built again at their next use.
