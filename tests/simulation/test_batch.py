@@ -140,7 +140,7 @@ def test_threads_reach_the_engine_and_change_nothing_that_is_kept(engine, tmp_pa
         return result_of(case, setup)
 
     monkeypatch.setattr(abradem.dem, "simulate", simulate)
-    monkeypatch.setattr(abradem.dem.warm, "load", lambda stepping, on_surface=False: loaded.append(stepping))
+    monkeypatch.setattr(abradem.dem.warm, "load", lambda stepping, *_: loaded.append(stepping))
     with pytest.raises(KeyboardInterrupt):
         run_batch(table_of_cases(), SETUP, outputs, tmp_path / "batch", "code", threads=2)
     assert loaded[:2] == ["islands", "parallel"]
