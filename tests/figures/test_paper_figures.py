@@ -441,7 +441,7 @@ def test_frames_of_the_film_share_one_scale_and_the_wear_grows():
 ROOT = Path(__file__).parents[2]
 RULES = "".join(
     (ROOT / "workflow" / "rules" / f"{name}.smk").read_text()
-    for name in ("figures", "calibration", "geometry")
+    for name in ("figures", "calibration", "geometry", "scenes")
 )
 
 

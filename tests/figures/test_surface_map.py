@@ -91,7 +91,7 @@ def test_rates_of_parts_are_drawn_against_what_varied():
     figure = draw_part_rates(parts, effects, cases, {"name": "wear_total_mean"})
     (panel,) = figure.axes
     assert [line.get_ydata().tolist() for line in panel.lines] == [[1, 2, 3, 4], [4, 3, 2, 1]]
-    assert panel.get_xlabel() == "Plate 2 angle (deg)" or "2 angle" in panel.get_xlabel()
+    assert panel.get_xlabel() == "angle of plate 2 (°)"
 
 
 def test_a_closed_solid_shows_its_creases_and_a_smooth_one_nothing(tmp_path):
