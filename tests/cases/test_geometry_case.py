@@ -76,7 +76,8 @@ def test_the_command_writes_map_cells_and_a_file_for_paraview(tmp_path, capsys):
         for name in (
             "facet_size_mm=50", "patch_length_mm=100", "patch_width_mm=100", "mass_rate_kg_s=4",
             "window_s=0.5", "max_time_s=1.5", "stop.sample_interval_s=0.01", "fall_height_mm=250",
-            "unplaced=wait", "factory.attempts=100", "stop.target_stderr=1", "time_step_rayleigh_fraction=0.1",
+            "unplaced=wait", "factory.attempts=100",
+            "stop.target_stderr=1", "time_step_rayleigh_fraction=0.1",
         )
     ]  # fmt: skip
     maps = [tmp_path / name for name in ("map.png", "cells.parquet", "cells.csv", "wear.vtp")]
