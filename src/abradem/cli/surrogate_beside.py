@@ -8,6 +8,7 @@ from pathlib import Path
 from abradem.cli.case_input import OwnSetup, headline
 from abradem.cli.predict_words import rate_text, warn
 from abradem.quantities import WEAR_COLUMNS, stderr_column
+from abradem.surrogate.geometry_groups import shape_values
 from abradem.surrogate.groups import input_names, jet_of
 from abradem.surrogate.model import PredictionError, Surrogate
 
@@ -99,4 +100,4 @@ def check_geometry(surrogate: Surrogate, stem: str, own: OwnSetup, values: Itera
 
 
 def _kind(geometry: Mapping | None) -> str:
-    return "plate" if geometry is None else geometry.get("shape", geometry)["kind"]
+    return shape_values(geometry).get("kind", "plate")

@@ -426,14 +426,11 @@ def _touch_plate(problem, state, team, me):
 @kernel
 def _add_up(state, team):
     """Add the wear and the lost energy that the threads have written down, by particle."""
-    tally, threads, signals = state.tally[0], len(team.cuts), team.signals
+    tally, signals = state.tally[0], team.signals
     at = team.heads
     at[:] = 0
     while True:
-        first, least = -1, np.int64(2**62)
-        for me in range(threads):
-            if at[me] < signals[me, WORN] and team.wear[me, at[me]].i < least:
-                first, least = me, team.wear[me, at[me]].i
+        first = _writer_of_next(team.wear, at, signals[:, WORN])
         if first < 0:
             break
         wear = team.wear[first, at[first]]
@@ -444,16 +441,23 @@ def _add_up(state, team):
         wear_facet(state.facet_wear, wear.ix, wear.iz, (wear.total, wear.sliding, wear.friction))
     at[:] = 0
     while True:
-        first, least = -1, np.int64(2**62)
-        for me in range(threads):
-            if at[me] < signals[me, FALLEN] and team.losses[me, at[me]].i < least:
-                first, least = me, team.losses[me, at[me]].i
+        first = _writer_of_next(team.losses, at, signals[:, FALLEN])
         if first < 0:
             break
         loss = team.losses[first, at[first]]
         at[first] += 1
         tally.energy_out += loss.energy
         tally.kinetic_out += loss.kinetic
+
+
+@kernel(inline=True)
+def _writer_of_next(written, at, counts):
+    """Return the thread whose next record is of the first particle, or -1 if none is left."""
+    first, least = -1, np.int64(2**62)
+    for me in range(len(at)):
+        if at[me] < counts[me] and written[me, at[me]].i < least:
+            first, least = me, written[me, at[me]].i
+    return first
 
 
 @kernel(inline=True)

@@ -20,7 +20,7 @@ from abradem.learning.number_text import (
     score_range,
 )
 from abradem.quantities import GEOMETRY_UNITS
-from abradem.surrogate.geometry_groups import numbers_of, sampled_names
+from abradem.surrogate.geometry_groups import numbers_of, sampled_names, shape_values
 from abradem.words.escaping import for_html
 from abradem.words.labels import LABELS
 from abradem.words.wear import WearTarget
@@ -151,7 +151,7 @@ def _geometry(geometry: Mapping) -> dict:
     """Kind, and the numbers that are fixed in the study, with their units."""
     sampled = sampled_names(geometry)
     return {
-        "kind": geometry.get("shape", geometry)["kind"],
+        "kind": shape_values(geometry)["kind"],
         "fixed": {
             name: {"value": value, "unit": GEOMETRY_UNITS[name], "words": LABELS[name].long_name}
             for name, value in numbers_of(geometry).items()

@@ -28,6 +28,11 @@ _DEGREE = np.pi / 180.0
 _PER_MINUTE = 2.0 * np.pi / 60.0
 
 
+def shape_values(geometry: Mapping | None) -> Mapping[str, Any]:
+    """Kind and numbers of a geometry, given whole or as its shape alone; empty for the plate."""
+    return {} if geometry is None else geometry.get("shape", geometry)
+
+
 def numbers_of(geometry: Mapping | None) -> dict[str, float | str]:
     """Numbers of a geometry by their names as quantities, those of `GEOMETRY_NAMES`.
 
@@ -41,7 +46,7 @@ def numbers_of(geometry: Mapping | None) -> dict[str, float | str]:
     dict of str to float or str
         SI units, angles in degrees; a number that is sampled is the name of a quantity.
     """
-    shape: Mapping[str, Any] = {} if geometry is None else geometry.get("shape", geometry)
+    shape = shape_values(geometry)
     kind = shape.get("kind")
     if kind == "plates":
         named = {
@@ -59,7 +64,7 @@ def places_of(geometry: Mapping | None) -> dict[str, str]:
 
     Parts without a name are left out.
     """
-    shape: Mapping[str, Any] = {} if geometry is None else geometry.get("shape", geometry)
+    shape = shape_values(geometry)
     return {
         plate["name"]: f"plate_{place}"
         for place, plate in enumerate(shape.get("plates", ()), 1)
