@@ -17,14 +17,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from abradem.dem.model import Setup
-from abradem.elastic import rayleigh_time
-from abradem.sampling.surface_cost import presence, rates_of_particles
+from abradem.elastic import rayleigh_time, sphere_mass
+from abradem.sampling.surface_cost import presence
 
 STEP = 4.0e-8
 """Computing time of one step of a particle that touches something, s (docs/scaling.md)."""
@@ -225,3 +225,9 @@ def _impact_speed(cases, setup):
     height = np.array([place(angle)[0] for angle in cases["factory_angle"]])
     speed2 = cases["particle_velocity_y"].to_numpy() ** 2 + 2.0 * setup["gravity"] * height
     return np.maximum(np.sqrt(speed2), LEAST_SPEED)
+
+
+def rates_of_particles(cases: pd.DataFrame, setup: Mapping[str, Any]) -> np.ndarray:
+    """Return the particles per second of each case, shape (n,)."""
+    mass = sphere_mass(cases["particle_radius"].to_numpy(), cases["particle_density"].to_numpy())
+    return (setup["number_rate"] or setup["mass_rate"] / mass) * np.ones(len(cases))

@@ -15,7 +15,6 @@ import numpy as np
 import pandas as pd
 
 from abradem.dem.model import Setup
-from abradem.elastic import sphere_mass
 from abradem.geometry.build import factory_of, geometry_described
 from abradem.geometry.kinds import Geometry, Plates, Screw
 from abradem.geometry.shape import GeometryError
@@ -76,9 +75,3 @@ def _carried(geometry: Geometry, place: float) -> float:
         return sum(plate.length / abs(plate.belt) for plate in geometry.plates if plate.belt)
     turning = [abs(one.revolutions) for one in geometry.motions() if one.revolutions]
     return 60.0 / min(turning) if turning else 0.0
-
-
-def rates_of_particles(cases: pd.DataFrame, setup: Mapping[str, Any]) -> np.ndarray:
-    """Return the particles per second of each case, shape (n,)."""
-    mass = sphere_mass(cases["particle_radius"].to_numpy(), cases["particle_density"].to_numpy())
-    return (setup["number_rate"] or setup["mass_rate"] / mass) * np.ones(len(cases))
