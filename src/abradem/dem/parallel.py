@@ -11,6 +11,11 @@ thread writes down its terms and the first one adds them in the order of the par
 Nothing that a thread reads of a ghost changes meanwhile: positions, the velocities of a particle
 that touched something in the step before, and the flight of any other.
 
+A thread keeps its particles and the memory of its contacts in arrays of its own for the length of a
+pair list, and shows positions near its border side by side. Where particles of several threads lie
+in one array, each core takes lines of the cache from the others all the time, not least by fetching
+ahead, and two threads are slower than one.
+
 Slabs are chosen, at each new pair list, so that each thread has the same number of instructions.
 """
 
@@ -46,6 +51,7 @@ from abradem.dem.state import (
 )
 from abradem.dem.synchronous import LONGEST_PIECE, prepare
 from abradem.dem.team import (
+    BORDER,
     FALLEN,
     FIRST,
     LEAST,
@@ -69,8 +75,9 @@ FLIGHT, CONTACT, PLATE, LISTED, PAIR_CONTACT = 50, 130, 350, 10, 140
 something, of its contact with the plate, and half of those of a pair of the list and of a contact
 between particles."""
 
-SUM = 40
-"""Instructions for adding the wear of a contact, which the first thread does for all."""
+SUM = 150
+"""Adding the wear of a contact, which the first thread does for all: by its time, in terms of the
+instructions above, as it waits for memory and for wrongly guessed branches."""
 
 BINS = 1024
 """Number of places at which a slab can end."""
@@ -252,34 +259,69 @@ def _owner_of(team, particle):
 
 @kernel
 def _take_share(state, team, me):
-    """List the particles of a thread, and the pairs with at least one of them."""
+    """List the particles of a thread, the pairs with at least one of them, and what it shows."""
     tally, particles, pairs = state.tally[0], state.particles, state.pairs
-    owner, sizes = team.owner, team.sizes[me]
+    owner, sizes, slots, places = team.owner, team.sizes[me], team.slots[me], team.places[me]
     members, links, memories = team.members[me], team.links[me], team.memories[me]
+    shown = team.counts[me]
     count = 0
     for i in range(tally.live):
+        slots[i] = -1
         if owner[i] == me and particles[i].motion != GONE:
             members[count] = i
+            places[i] = count
+            team.particles[me, count] = particles[i]
             count += 1
     sizes[MEMBERS] = count
-    count, own = 0, 0
+    shown[:] = 0
+    count = 0
     for p in range(tally.pairs):
-        pair = pairs[p]
-        mine, others = owner[pair.i] == me, owner[pair.j] == me
+        i, j = pairs[p].i, pairs[p].j
+        mine, others = owner[i] == me, owner[j] == me
+        # All threads number what is shown alike.
+        if owner[i] != owner[j]:
+            _number(team, me, i)
+            _number(team, me, j)
         if not (mine or others):
             continue
         link = links[count]
+        link.i = places[i] if mine else 0
+        link.j = places[j] if others else 0
+        link.pair, link.ghost = p, NO_GHOST
+        if not mine:
+            link.ghost, link.thread, link.slot = FIRST, owner[i], slots[i]
+        elif not others:
+            link.ghost, link.thread, link.slot = SECOND, owner[j], slots[j]
+        memories[count] = pairs[p]
         count += 1
-        link.i, link.j, link.pair, link.memory = pair.i, pair.j, p, -1
-        link.ghost = NO_GHOST
-        if not others:
-            link.ghost = SECOND
-        elif not mine:
-            link.ghost = FIRST
-            link.memory = own
-            memories[own] = pair
-            own += 1
-    sizes[LINKS] = count
+    sizes[LINKS], sizes[BORDER] = count, shown[me]
+
+
+@kernel(inline=True)
+def _number(team, me, i):
+    """Give a particle at the border of its slab a place among those that its thread shows."""
+    slots, owner = team.slots[me], team.owner[i]
+    if slots[i] < 0:
+        slots[i] = team.counts[me, owner]
+        team.counts[me, owner] += 1
+        if owner == me:
+            team.border[me, slots[i]] = team.places[me, i]
+
+
+@kernel
+def _return_share(state, team, me):
+    """Write the particles of a thread, and the memory of its contacts, back to the state."""
+    for k in range(team.sizes[me, MEMBERS]):
+        state.particles[team.members[me, k]] = team.particles[me, k]
+    links, memories = team.links[me], team.memories[me]
+    for k in range(team.sizes[me, LINKS]):
+        link = links[k]
+        if link.ghost != FIRST:
+            pair = state.pairs[link.pair]
+            if memories[k].stiffness != 0.0:
+                state.pairs[link.pair] = memories[k]
+            elif pair.stiffness != 0.0:
+                pair.stiffness = 0.0
 
 
 @kernel
@@ -290,6 +332,9 @@ def _rebuild_pairs(problem, state, team, me):
     """
     tally, pairs, own = state.tally[0], state.pairs, team.memories[me]
     threads, found = len(team.cuts), team.found
+    _return_share(state, team, me)
+    if not wait(team, me):
+        return False
     if me == 0:
         sort_into_cells(problem, state, team.grid)
     if not wait(team, me):
@@ -328,6 +373,7 @@ def _rebuild_pairs(problem, state, team, me):
     if not wait(team, me):
         return False
     _take_share(state, team, me)
+    _show(team, me)
     return wait(team, me)
 
 
@@ -342,9 +388,12 @@ def _steps(problem, state, team, me, until):
     tally, shared, signals = team.tallies[me, 0], team.shared[0], team.signals
     finishing, moving = False, True
     while True:
-        _move_members(problem, state, team, me, finishing, moving)
+        _move_members(problem, team, me, finishing, moving)
         if moving:
-            _touch_plate(problem, state, team, me)
+            _show(team, me)
+            _touch_plate(problem, team, me)
+        else:
+            _return_share(state, team, me)
         if not wait(team, me):
             return False
         if me == 0:
@@ -358,7 +407,7 @@ def _steps(problem, state, team, me, until):
             if shared.outcome != DONE:
                 return True
             tally.drift = 0.0
-        _touch_pairs(problem, state, team, me)
+        _touch_pairs(problem, team, me)
         team.values[me, OVERLAP] = tally.largest_overlap
         if not wait(team, me):
             return False
@@ -372,14 +421,14 @@ def _steps(problem, state, team, me, until):
 
 
 @kernel(inline=True)
-def _move_members(problem, state, team, me, finishing, moving):
+def _move_members(problem, team, me, finishing, moving):
     """Finish a step of the particles of a thread and begin the next, as in `synchronous`."""
-    particles, members, tally = state.particles, team.members[me], team.tallies[me, 0]
+    particles, members, tally = team.particles[me], team.members[me], team.tallies[me, 0]
     values, signals = team.values[me], team.signals[me]
     least_x = least_y = least_z = most_x = most_y = most_z = 0.0
     fallen = 0
     for k in range(team.sizes[me, MEMBERS]):
-        particle = particles[members[k]]
+        particle = particles[k]
         if particle.motion == GONE:
             continue
         if finishing:
@@ -405,12 +454,21 @@ def _move_members(problem, state, team, me, finishing, moving):
 
 
 @kernel(inline=True)
-def _touch_plate(problem, state, team, me):
+def _show(team, me):
+    """Write down the positions of particles that other threads look at."""
+    for k in range(team.sizes[me, BORDER]):
+        particle, shown = team.particles[me, team.border[me, k]], team.shown[me, k]
+        shown.x, shown.y, shown.z = particle.x, particle.y, particle.z
+        shown.motion = particle.motion
+
+
+@kernel(inline=True)
+def _touch_plate(problem, team, me):
     """Contacts of the particles of a thread with the plate; their wear is written down."""
-    particles, members, tally = state.particles, team.members[me], team.tallies[me, 0]
+    particles, members, tally = team.particles[me], team.members[me], team.tallies[me, 0]
     worn = 0
     for k in range(team.sizes[me, MEMBERS]):
-        particle = particles[members[k]]
+        particle = particles[k]
         height = height_over(problem.plate, particle.x, particle.y)
         near = abs(height) < problem.radius or particle.plate_stiffness != 0.0
         if near and particle.motion != GONE:
@@ -473,29 +531,44 @@ def _spread(team):
 
 
 @kernel(inline=True)
-def _touch_pairs(problem, state, team, me):
+def _touch_pairs(problem, team, me):
     """Contacts between particles that concern those of a thread."""
-    particles, pairs, tally = state.particles, state.pairs, team.tallies[me, 0]
+    particles, tally = team.particles[me], team.tallies[me, 0]
     links, memories, ghost = team.links[me], team.memories[me], team.ghosts[me, 0]
     contact2 = 4.0 * problem.radius * problem.radius
     for k in range(team.sizes[me, LINKS]):
-        link = links[k]
+        link, pair = links[k], memories[k]
         a, b = particles[link.i], particles[link.j]
-        apart = (a.x - b.x, a.y - b.y, a.z - b.z)
+        if link.ghost == NO_GHOST:
+            apart = (a.x - b.x, a.y - b.y, a.z - b.z)
+            there = a.motion != GONE and b.motion != GONE
+        elif link.ghost == FIRST:
+            shown = team.shown[link.thread, link.slot]
+            apart = (shown.x - b.x, shown.y - b.y, shown.z - b.z)
+            there = shown.motion != GONE and b.motion != GONE
+        else:
+            shown = team.shown[link.thread, link.slot]
+            apart = (a.x - shown.x, a.y - shown.y, a.z - shown.z)
+            there = a.motion != GONE and shown.motion != GONE
         distance2 = dot(apart, apart)
-        pair = pairs[link.pair] if link.memory < 0 else memories[link.memory]
-        if distance2 < contact2 and a.motion != GONE and b.motion != GONE:
+        if distance2 < contact2 and there:
             distance = math.sqrt(distance2)
             n = scaled(apart, 1.0 / distance)
             if link.ghost == FIRST:
-                _copy(a, ghost)
+                _copy(_ghost_of(team, link), ghost)
                 a = ghost
             elif link.ghost == SECOND:
-                _copy(b, ghost)
+                _copy(_ghost_of(team, link), ghost)
                 b = ghost
             touch_pair(problem, pair, a, b, distance, n, tally)
         elif pair.stiffness != 0.0:
             pair.stiffness = 0.0
+
+
+@kernel(inline=True)
+def _ghost_of(team, link):
+    """Return the particle of another thread in a pair."""
+    return team.particles[link.thread, team.border[link.thread, link.slot]]
 
 
 @kernel(inline=True)

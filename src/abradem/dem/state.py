@@ -115,6 +115,9 @@ def _fields(names: str, kind=np.float64):
     return [(name, kind) for name in names.split()]
 
 
+LINE = 128
+"""Two lines of the cache, which processors load together, bytes."""
+
 # One particle. The fields that a step of a flying particle reads come first: two cache lines.
 # Velocity and spin of a flying particle are those of its anchor.
 PARTICLE = np.dtype(
@@ -132,6 +135,8 @@ PARTICLE = np.dtype(
     + _fields("plate_sx plate_sy plate_sz plate_fn plate_tx plate_ty plate_tz plate_energy")
     # Share of the tangential velocity that is slip.
     + _fields("plate_slip")
+    # To a whole number of lines of the cache, see `lined_up`.
+    + _fields("unused_1 unused_2")
 )
 
 # One entry of the pair list, with the memory of its contact; stiffness 0: not touching. With
@@ -334,16 +339,24 @@ def make_state(problem: Problem, capacity: int, surface: Surface | None = None) 
         shape = (len(mesh.normals), 1)
     return State(
         tally=np.zeros(1, TALLY),
-        particles=np.zeros(capacity, PARTICLE),
+        particles=lined_up(capacity, PARTICLE),
         pairs=np.zeros(capacity * PAIRS_PER_PARTICLE, PAIR),
         facet_wear=np.zeros((len(WORN), *shape)),
         mesh=mesh,
     )
 
 
+def lined_up(shape: int | tuple[int, ...], kind) -> np.ndarray:
+    """Return an array of zeros that begins at the beginning of a line of the cache."""
+    size = math.prod(np.atleast_1d(shape).tolist()) * np.dtype(kind).itemsize
+    room = np.zeros(size + LINE, np.uint8)
+    start = -room.ctypes.data % LINE
+    return room[start : start + size].view(kind).reshape(shape)
+
+
 def grown(state: State, capacity: int) -> State:
     """Return the state with room for ``capacity`` particles."""
-    particles = np.zeros(capacity, PARTICLE)
+    particles = lined_up(capacity, PARTICLE)
     particles[: state.particles.size] = state.particles
     pairs = np.zeros(capacity * PAIRS_PER_PARTICLE, PAIR)
     pairs[: state.pairs.size] = state.pairs

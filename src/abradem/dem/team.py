@@ -18,7 +18,8 @@ from numba.extending import intrinsic
 from abradem.dem.borrow import borrowed
 from abradem.dem.cache import kernel
 from abradem.dem.neighbours import Grid, make_grid
-from abradem.dem.state import PAIR, PAIRS_PER_PARTICLE, PARTICLE, TALLY
+from abradem.dem.state import LINE as LINE_BYTES
+from abradem.dem.state import PAIR, PAIRS_PER_PARTICLE, PARTICLE, TALLY, lined_up
 
 PART = 64
 """Number of particles whose pairs are a part of a new pair list. Threads look for parts in turn."""
@@ -28,13 +29,13 @@ LOOKS = 100_000
 as long. What it waits for is mostly sooner, unless other work has the core of the other thread; who
 sleeps then is woken before those who do not."""
 
-LINE = 16
-"""Numbers in two lines of the cache, which processors load together: what a thread writes in every
-step is that far from what others write."""
+LINE = LINE_BYTES // 8
+"""Numbers in two lines of the cache: what a thread writes in every step is that far from what
+others write."""
 
 # Columns of `Team.signals` and `Team.sizes`.
 PASSED, FALLEN, WORN = 0, 1, 2
-MEMBERS, LINKS = 0, 1
+MEMBERS, LINKS, BORDER = 0, 1, 2
 
 LEAST, MOST, OVERLAP = 0, 3, 6
 """Columns of `Team.values`: the least and the largest displacement along each axis, m, and the
@@ -45,19 +46,17 @@ largest overlap, m."""
 # which space is cut.
 SHARED = np.dtype([(name, np.int64) for name in ("until", "outcome", "stop", "known", "axis")])
 
-# A pair of the list for a thread: its place in `State.pairs`, and that of the thread's own memory
-# of the contact in `Team.memories` (-1: that in the list). ``ghost`` says which of the two belongs
-# to another thread: none, the first or the second.
+# A pair of the list for a thread: the places of the two in `Team.particles` and that of the pair in
+# `State.pairs`. ``ghost`` says which of the two belongs to another thread, ``thread``: none, the
+# first or the second. That one has no place; it is in row ``slot`` of what that thread shows.
 LINK = np.dtype(
-    [
-        ("i", np.uint32),
-        ("j", np.uint32),
-        ("pair", np.int64),
-        ("memory", np.int64),
-        ("ghost", np.int64),
-    ]
+    [("i", np.uint32), ("j", np.uint32)]
+    + [(name, np.int64) for name in ("pair", "ghost", "thread", "slot")]
 )
 NO_GHOST, FIRST, SECOND = 0, 1, 2
+
+# Position of a particle at the border of a thread's slab, m, and whether it is there.
+SHOWN = np.dtype([(name, np.float64) for name in ("x", "y", "z")] + [("motion", np.int64)])
 
 # Wear of one contact with the plate in a step, and energy of a removed particle.
 WEAR = np.dtype(
@@ -85,21 +84,33 @@ class Team(NamedTuple):
         The thread of each particle.
     members : ndarray of int, shape (threads, capacity)
         Indices of the particles of each thread, ascending.
+    particles : ndarray of PARTICLE, shape (threads, capacity)
+        Those particles, side by side. In the array of all, a processor that walks over the
+        particles of one thread would fetch those of others ahead, and take them from the other
+        processor.
     links : ndarray of LINK, shape (threads, 8 capacity)
         The pairs of each thread, in the order of the pair list.
     memories : ndarray of PAIR, shape (threads, 8 capacity)
-        Memory of the contacts whose first particle belongs to another thread.
+        Memory of the contact of each link: lines of the cache that no other thread writes.
+    border : ndarray of int, shape (threads, capacity)
+        Places in ``particles`` of those that are in a pair with one of another thread.
+    shown : ndarray of SHOWN, shape (threads, capacity)
+        Their positions, side by side: what other threads read in every step.
+    places, slots : ndarrays of int, shape (threads, capacity)
+        Working memory of each thread: the place of each of its particles in ``particles``, and of
+        any particle in ``border``; -1: none.
     ghosts : ndarray of PARTICLE, shape (threads, 2)
         Copy of a particle of another thread, in the first column.
     wear : ndarray of WEAR, shape (threads, capacity)
     losses : ndarray of LOSS, shape (threads, capacity)
     sizes : ndarray of int, shape (threads, LINE)
         Numbers of particles and pairs of each thread.
+    counts : ndarray of int, shape (threads, at least threads)
     heads : ndarray of int, shape (threads,)
     found : ndarray of int, shape (parts,)
         Number of pairs in each part of a new pair list, see `PART`.
     grid : Grid
-        Working memory, as ``heads`` and ``found``.
+        Working memory, as ``counts``, ``heads`` and ``found``.
     """
 
     signals: np.ndarray
@@ -109,12 +120,18 @@ class Team(NamedTuple):
     tallies: np.ndarray
     owner: np.ndarray
     members: np.ndarray
+    particles: np.ndarray
     links: np.ndarray
     memories: np.ndarray
+    border: np.ndarray
+    shown: np.ndarray
+    places: np.ndarray
+    slots: np.ndarray
     ghosts: np.ndarray
     wear: np.ndarray
     losses: np.ndarray
     sizes: np.ndarray
+    counts: np.ndarray
     heads: np.ndarray
     found: np.ndarray
     grid: Grid
@@ -124,31 +141,29 @@ def make_team(threads: int, capacity: int) -> Team:
     """Return the memory of a number of threads with room for ``capacity`` particles."""
     pairs = capacity * PAIRS_PER_PARTICLE
     return Team(
-        signals=_zeros((threads, LINE), np.int64),
-        values=_zeros((threads, LINE), np.float64),
+        signals=lined_up((threads, LINE), np.int64),
+        values=lined_up((threads, LINE), np.float64),
         shared=np.zeros(1, SHARED),
         cuts=np.zeros(threads),
-        tallies=_zeros((threads, 2), TALLY),
+        tallies=lined_up((threads, 2), TALLY),
         owner=np.zeros(capacity, np.int64),
-        members=_zeros((threads, capacity), np.int64),
-        links=_zeros((threads, pairs), LINK),
-        memories=_zeros((threads, pairs), PAIR),
-        ghosts=_zeros((threads, 2), PARTICLE),
-        wear=_zeros((threads, capacity), WEAR),
-        losses=_zeros((threads, capacity), LOSS),
-        sizes=_zeros((threads, LINE), np.int64),
+        members=lined_up((threads, capacity), np.int64),
+        particles=lined_up((threads, capacity), PARTICLE),
+        links=lined_up((threads, pairs), LINK),
+        memories=lined_up((threads, pairs), PAIR),
+        border=lined_up((threads, capacity), np.int64),
+        shown=lined_up((threads, capacity), SHOWN),
+        places=lined_up((threads, capacity), np.int64),
+        slots=lined_up((threads, capacity), np.int64),
+        ghosts=lined_up((threads, 2), PARTICLE),
+        wear=lined_up((threads, capacity), WEAR),
+        losses=lined_up((threads, capacity), LOSS),
+        sizes=lined_up((threads, LINE), np.int64),
+        counts=lined_up((threads, -(-threads // LINE) * LINE), np.int64),
         heads=np.zeros(threads, np.int64),
         found=np.zeros(-(-capacity // PART), np.int64),
         grid=make_grid.py_func(capacity, np.empty(pairs, PAIR)),
     )
-
-
-def _zeros(shape: tuple[int, int], kind) -> np.ndarray:
-    """Return an array of zeros that begins at the beginning of a line of the cache."""
-    size = shape[0] * shape[1] * np.dtype(kind).itemsize
-    room = np.zeros(size + 8 * LINE, np.uint8)
-    start = -room.ctypes.data % (8 * LINE)
-    return room[start : start + size].view(kind).reshape(shape)
 
 
 @kernel(inline=True)
@@ -176,12 +191,18 @@ def borrowed_team(team):
         borrowed(team.tallies),
         borrowed(team.owner),
         borrowed(team.members),
+        borrowed(team.particles),
         borrowed(team.links),
         borrowed(team.memories),
+        borrowed(team.border),
+        borrowed(team.shown),
+        borrowed(team.places),
+        borrowed(team.slots),
         borrowed(team.ghosts),
         borrowed(team.wear),
         borrowed(team.losses),
         borrowed(team.sizes),
+        borrowed(team.counts),
         borrowed(team.heads),
         borrowed(team.found),
         borrowed_grid(team.grid),
