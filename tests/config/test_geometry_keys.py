@@ -210,7 +210,7 @@ def test_a_rate_from_elsewhere_is_for_the_parts_of_a_geometry():
     beside = {"reference_mm_s": 1e-6, "reference_source": "A and B (2021)"}
     known = load_config(with_key("wear_rate", beside, kind="arc")).wear_rate
     assert (known.reference_mm_s, known.reference_source) == (1e-6, "A and B (2021)")
-    with pytest.raises(ConfigError, match=r"reference_mm_s: 1e-06: means nothing .*kind: plate"):
+    with pytest.raises(ConfigError, match=r"reference_mm_s: 1.0e-06: means nothing .*kind: plate"):
         load_config(with_key("wear_rate.reference_mm_s", 1e-6))
     alone = with_key("wear_rate.reference_source", "A and B (2021)", kind="arc")
     with pytest.raises(ConfigError, match=r"reference_source: .*beside wear_rate.reference_mm_s"):
