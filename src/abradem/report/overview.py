@@ -119,7 +119,8 @@ def answer(summary: Mapping, models: pd.DataFrame, noise: Mapping | None) -> str
 
 def _whole_numbers(text: str) -> str:
     """Text in which no number is divided from its unit, and no name at its hyphens."""
-    return re.sub(r"\d[\d.]*(?:-\d+)+|\d[\d.]* (?:%|mm)", r'<span class="number">\g<0></span>', text)
+    whole = r"\d[\d.]*(?:-\d+)+|\d[\d.]* (?:%|mm)"
+    return re.sub(whole, r'<span class="number">\g<0></span>', text)
 
 
 def _explained(r2: float) -> str:
