@@ -1,5 +1,6 @@
 """`abradem simulate` and `abradem sweep` for cases of one's own: input, output, one line each."""
 
+import contextlib
 import io
 import re
 from pathlib import Path
@@ -624,6 +625,28 @@ def test_the_picture_of_a_sweep_shows_the_headline_of_the_study(
     assert list(swept.lists) == ["plate_angle", "particle_radius"]
     np.testing.assert_allclose((low + high) / 2, table[target])
     np.testing.assert_allclose((high - low) / 2, table[f"{target}_stderr"], atol=1e-18)
+
+
+def test_an_interrupted_sweep_goes_on_and_writes_the_same_bytes(capsys, asked, monkeypatch):
+    sweep = ("sweep", "particle_radius=20:40:5mm", "--cores", 1, "--output")
+    assert run(capsys, *sweep, "whole.csv")[0] == 0
+    whole = abradem.dem.simulate
+    count = len(asked)
+
+    def until_the_third(case, setup, **options):
+        if len(asked) == count + 3:
+            raise KeyboardInterrupt
+        return whole(case, setup, **options)
+
+    with monkeypatch.context() as patch:
+        patch.setitem(vars(abradem.dem), "simulate", until_the_third)
+        with contextlib.suppress(KeyboardInterrupt):
+            main([str(one) for one in (*sweep, "part.csv")])
+    assert sorted(path.name for path in Path().iterdir()) == ["part.csv.finished", "whole.csv"]
+    assert run(capsys, *sweep, "part.csv")[0] == 0
+    assert len(asked) == count + 5
+    assert Path("part.csv").read_bytes() == Path("whole.csv").read_bytes()
+    assert not Path("part.csv.finished").exists()
 
 
 def test_the_picture_of_a_simulated_sweep_is_written(capsys, asked):
