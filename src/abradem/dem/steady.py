@@ -22,8 +22,8 @@ LAG1_QUANTILE = 1.645
 """One-sided 95 % bound of a normal variable: larger lag-1 correlations are significant."""
 
 COSINES = 12
-"""Most cosines of the error of a mean, and its degrees of freedom. The slowest take up two records,
-the fastest a sixth of one; more would be surer of an error that the fast scatter at edges biases."""
+"""Most cosines of the error of a mean, and its degrees of freedom. The slowest has a period of two
+records, the fastest of a sixth of one; faster ones see the scatter at the edges of the pieces."""
 
 LEAST_BINS = 20
 """Bins that must remain after a late truncation; the scatter of fewer is not informative."""
@@ -319,9 +319,9 @@ def batch_means(
         ``stderr`` is that of `slow_variance`, from the release intervals (samples, if these are
         longer) and `cosines` of the number of batches. If the lag-1 correlation r of the n batches
         is significantly positive, it is that of independent batches, with their variance s^2,
-        enlarged as for a correlation that decays exponentially: s sqrt((1 + r) / (1 - r) / (n - 2)).
-        All are nan, and ``batches`` is 0, if there are fewer samples
-        than ``minimum``.
+        enlarged as for a correlation that decays exponentially:
+        s sqrt((1 + r) / (1 - r) / (n - 2)). All are nan, and ``batches`` is 0, if there are fewer
+        samples than ``minimum``.
     """
     time = np.asarray(time, dtype=float)
     samples = int(np.count_nonzero(time > start))
