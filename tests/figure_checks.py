@@ -1,12 +1,10 @@
 """Requirements that every figure must fulfil, and noisy but steady simulations to draw."""
 
-import functools
 from unittest import mock
 
 import numpy as np
 import pandas as pd
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
 from abradem.dem.model import Setup
@@ -14,10 +12,6 @@ from abradem.figures import style
 from abradem.quantities import SAMPLED
 
 SETUP = Setup(facet_size=0.05, window=2.0)
-
-# matplotlib keeps the last 50 formulas that it has parsed, and draws a figure several times. A
-# figure can have more, and the figures of the tests have the same ones.
-MathTextParser._parse_cached = functools.lru_cache(2000)(MathTextParser._parse_cached.__wrapped__)
 
 
 def study(n, seed=0):
