@@ -50,7 +50,7 @@ def asked(monkeypatch, here):
 
     monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
     for command in ("simulate", "sweep_cases"):
-        monkeypatch.setattr(f"abradem.cli.{command}.load_kernels", lambda setup: None)
+        monkeypatch.setattr(f"abradem.cli.{command}.load_kernels", lambda setup, threads=1: None)
     return found
 
 
@@ -492,11 +492,11 @@ def test_threads_are_those_asked_for_or_of_the_configuration(
 
     monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
     monkeypatch.setattr(
-        "abradem.cli.simulate.load_kernels", lambda setup: loaded.append(setup["stepping"])
+        "abradem.cli.simulate.load_kernels", lambda setup, threads: loaded.append(threads)
     )
     assert run(capsys, "simulate", *options)[0] == 0
     assert given == [threads]
-    assert loaded == ["islands"] + ["parallel"] * (threads > 1)
+    assert loaded == [threads]
 
 
 @pytest.mark.parametrize("text", ["0", "65", "1.5", "many"])
