@@ -264,11 +264,12 @@ def liggghts_chute(program, variant):
     return chute_rows("LIGGGHTS 3.8.0", variant, ended, track)
 
 
-def chute_rows(code, variant, velocities, track):
+def chute_rows(code, variant, velocities, track, wear=()):
     """Return the rows of the table of chutes.
 
     The impulse is that of the final velocities; the profile of the normal impulse is from samples
     (x, y, f_x, f_y) of the particles that touch the chute, with the forces that include gravity.
+    ``wear`` is what the code itself counts on each triangle, J; the two of a segment are added.
     """
     given = chutes.impulse(np.asarray(velocities, dtype=float))
     x, y, fx, fy = np.array(track, dtype=float).T
@@ -280,6 +281,8 @@ def chute_rows(code, variant, velocities, track):
     profile = np.bincount(segment, pushed, minlength=len(chutes.normals()))
     rows = [("impulse", k, value) for k, value in enumerate(given)]
     rows += [("normal_impulse", k, value) for k, value in enumerate(profile)]
+    worn = np.reshape(wear, (-1, 2)).sum(axis=1)
+    rows += [("sliding", k, value) for k, value in enumerate(worn)]
     return [
         {"code": code, "variant": variant, "quantity": quantity, "segment": k, "value": value}
         for quantity, k, value in rows
@@ -367,9 +370,11 @@ FACES = [(0, 1, 2), (0, 2, 3)]
 def chute_task():
     """Return the chute with e = 0.5."""
     surface = chutes.chute()
+    # No face shares a node, so that the depths at its nodes are its own.
+    corners = surface.vertices[surface.triangles].reshape(-1, 3)
     return materials_of(0.5) | {
         "dt": chutes.STEP, "steps": round(chutes.END / chutes.STEP), "gravity": GRAVITY,
-        "corners": surface.vertices.tolist(), "triangles": surface.triangles.tolist(),
+        "corners": corners.tolist(), "triangles": np.arange(len(corners)).reshape(-1, 3).tolist(),
         "releases": release_steps(chutes.releases(), chutes.STEP), "track_steps": TRACK_STEPS,
     }  # fmt: skip
 
@@ -506,7 +511,7 @@ def kratos():
     jet = answer(python, "kratos_jet", jet_task())
     code = f"Kratos {jet['version']}"
     chute = answer(python, "kratos_jet", chute_task())
-    poured = chute_rows(code, KRATOS_VARIANT, chute["end"], chute["track"])
+    poured = chute_rows(code, KRATOS_VARIANT, chute["end"], chute["track"], chute["wear"])
     return singles, [jet_row(code, KRATOS_VARIANT, jet["end"])], forces, poured
 
 

@@ -3,6 +3,7 @@
 import json
 
 import KratosMultiphysics as kratos
+from KratosMultiphysics import DEMApplication as dem
 
 FIRST_NODE, FIRST_FACE = 1001, 2001
 FACES = ((0, 1, 2), (0, 2, 3))
@@ -36,6 +37,16 @@ def write_parts(radius, particles, corners, triangles=FACES):
     plate += _block("SubModelPart", [part], "plate")
     with open("runDEM_FEM_boundary.mdpa", "w") as file:
         file.write(plate)
+
+
+def worn_volume(face):
+    """Return the worn volume of a face that shares no node, from the depths at its corners, m3.
+
+    Kratos gives each corner the share of a depth that its shape function has at the contact.
+    """
+    geometry = face.GetGeometry()
+    depth = [node.GetSolutionStepValue(dem.NON_DIMENSIONAL_VOLUME_WEAR) for node in geometry]
+    return geometry.Area() * sum(depth)
 
 
 def write_materials(one):

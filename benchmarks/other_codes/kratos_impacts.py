@@ -4,8 +4,7 @@ import json
 from importlib.metadata import version
 
 import KratosMultiphysics as kratos
-from kratos_common import parameters, write_materials, write_parts
-from KratosMultiphysics import DEMApplication as dem
+from kratos_common import parameters, worn_volume, write_materials, write_parts
 from KratosMultiphysics.DEMApplication.DEM_analysis_stage import DEMAnalysisStage
 
 kratos.Logger.GetDefaultOutput().SetSeverity(kratos.Logger.Severity.WARNING)
@@ -24,7 +23,7 @@ class Impact(DEMAnalysisStage):
         super().Initialize()
         self.particle = next(iter(self.spheres_model_part.Nodes))
         self.particle.SetSolutionStepValue(kratos.VELOCITY, kratos.Vector(self.velocity))
-        self.face = next(iter(self.rigid_face_model_part.Conditions)).GetGeometry()
+        self.face = next(iter(self.rigid_face_model_part.Conditions))
 
     def FinalizeSolutionStep(self):
         """Record the step."""
@@ -32,9 +31,7 @@ class Impact(DEMAnalysisStage):
         names = (kratos.VELOCITY, kratos.ANGULAR_VELOCITY, kratos.TOTAL_FORCES)
         v, w, f = (self.particle.GetSolutionStepValue(name) for name in names)
         self.track.append([v[0], v[1], -w[2], f[0], f[1]])
-        # Its depth at the corners of the face that was hit.
-        depth = [n.GetSolutionStepValue(dem.NON_DIMENSIONAL_VOLUME_WEAR) for n in self.face]
-        self.wear = self.face.Area() * sum(depth)
+        self.wear = worn_volume(self.face)
 
 
 with open("task.json") as file:

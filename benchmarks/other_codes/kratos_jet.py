@@ -1,10 +1,10 @@
-"""A jet with Kratos: velocities at its end, and forces on the way."""
+"""A jet with Kratos: velocities at its end, wear of each face, and forces on the way."""
 
 import json
 from importlib.metadata import version
 
 import KratosMultiphysics as kratos
-from kratos_common import parameters, write_materials, write_parts
+from kratos_common import parameters, worn_volume, write_materials, write_parts
 from KratosMultiphysics.DEMApplication.DEM_analysis_stage import DEMAnalysisStage
 
 kratos.Logger.GetDefaultOutput().SetSeverity(kratos.Logger.Severity.WARNING)
@@ -29,6 +29,7 @@ class Jet(DEMAnalysisStage):
             self._track()
         if self.done == task["steps"]:
             self.end = [list(n.GetSolutionStepValue(kratos.VELOCITY)) for n in self.particles]
+            self.wear = [worn_volume(face) for face in self.rigid_face_model_part.Conditions]
 
     def _track(self):
         """Note place and force of the particles that something pushes upwards."""
@@ -60,5 +61,6 @@ write_materials(task)
 run = Jet(kratos.Model(), parameters(task, task["gravity"], search_every=50, skin=0.002))
 run.Run()
 with open("found.json", "w") as file:
-    found = {"version": version("KratosDEMApplication"), "end": run.end, "track": run.track}
+    found = {"version": version("KratosDEMApplication"), "end": run.end, "track": run.track,
+             "wear": run.wear}  # fmt: skip
     json.dump(found, file)

@@ -8,6 +8,7 @@ from straight_engine import RATE, straight_line
 
 import abradem
 import abradem.dem
+from abradem.cases.kept_rows import KeptRows
 from abradem.cases.sweep import MOST_CASES, combinations, predict_cases, simulate_cases
 from abradem.dem.model import Setup
 from abradem.figures.sweep import sweep_figure
@@ -88,6 +89,89 @@ def test_the_number_of_processes_changes_no_bit_and_the_rates_are_those_of_simul
         alone = abradem.simulate(case, Setup(**setup)).wear_rate("friction", "max")
         column = "wear_friction_max"
         assert (row[column], row[stderr_column(column)]) == alone and row[column] > 0.0
+
+
+def interrupted(monkeypatch, cases, path, after):
+    """Angles and radii simulated by a sweep that is interrupted after some cases."""
+    asked = []
+
+    def simulate(case, setup):
+        if len(asked) == after:
+            raise KeyboardInterrupt
+        asked.append((case.plate_angle, case.particle_radius))
+        return straight_line(case, setup)
+
+    monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
+    with pytest.raises(KeyboardInterrupt):
+        simulate_cases(cases, SETUP, 7, kept=KeptRows(path, "code"))
+    return asked
+
+
+def test_an_interrupted_sweep_goes_on_and_ends_in_the_same_bits(monkeypatch, cases, tmp_path):
+    path = tmp_path / "s.csv.finished"
+    first = interrupted(monkeypatch, cases, path, 3)
+    # A kill in the midst of a line.
+    with open(path, "ab") as file:
+        file.write(b'{"key": "')
+    second = interrupted(monkeypatch, cases, path, 2)
+    third = []
+
+    def simulate(case, setup):
+        third.append((case.plate_angle, case.particle_radius))
+        return straight_line(case, setup)
+
+    monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
+    done = []
+    table = simulate_cases(cases, SETUP, 7, finished=done.append, kept=KeptRows(path, "code"))
+    every = list(zip(cases["plate_angle"], cases["particle_radius"], strict=True))
+    assert [*first, *second, *third] == every and len(third) == 1 and done == [5, 6]
+    pd.testing.assert_frame_equal(table, simulate_cases(cases, SETUP, 7), check_exact=True)
+
+
+@pytest.mark.parametrize("changed", ["setup", "seed", "options", "code", "case"])
+def test_kept_rows_of_anything_else_are_not_taken(monkeypatch, cases, tmp_path, changed):
+    path = tmp_path / "s.csv.finished"
+    interrupted(monkeypatch, cases, path, 4)
+    asked = []
+
+    def simulate(case, setup):
+        asked.append(case)
+        return straight_line(case, setup)
+
+    monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
+    simulate_cases(
+        cases.assign(restitution=0.31) if changed == "case" else cases,
+        SETUP | {"window": 1.5} if changed == "setup" else SETUP,
+        8 if changed == "seed" else 7,
+        {"element_size": 0.06} if changed == "options" else None,
+        kept=KeptRows(path, "other" if changed == "code" else "code"),
+    )
+    assert len(asked) == len(cases)
+
+
+def test_a_larger_sweep_takes_over_what_is_finished(monkeypatch, cases, tmp_path):
+    path = tmp_path / "s.csv.finished"
+    interrupted(monkeypatch, cases, path, 4)
+    monkeypatch.setitem(vars(abradem.dem), "simulate", straight_line)
+    more = combinations({**CASE, **SWEPT, "particle_radius": (0.01, 0.02, 0.03)})
+    kept = KeptRows(path, "code")
+    table = simulate_cases(more, SETUP, 7, kept=kept)
+    # Nine cases, of which four were there.
+    lines = [line for line in path.read_text().splitlines() if line]
+    assert len(lines) == 9
+    pd.testing.assert_frame_equal(table, simulate_cases(more, SETUP, 7), check_exact=True)
+    kept.remove()
+    assert not path.exists()
+
+
+def test_rows_without_a_rate_are_kept_as_they_are(tmp_path):
+    row = {"wear_total_mean": np.nan, "low": 0.1 + 0.2, "status": "rejected: 5 µm", "seed": 2**63}
+    path = tmp_path / "new" / "rows"
+    with KeptRows(path) as kept:
+        kept.add("a", row)
+    found = KeptRows(path).find("a")
+    assert np.isnan(found.pop("wear_total_mean"))
+    assert found == {name: row[name] for name in found} and KeptRows(path).find("b") is None
 
 
 def test_a_surrogate_answers_all_cases(tmp_path, cases):

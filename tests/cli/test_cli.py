@@ -53,7 +53,7 @@ def simulated(monkeypatch):
         return straight_line(case, setup)
 
     monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
-    monkeypatch.setattr("abradem.cli.simulate.load_kernels", lambda setup: None)
+    monkeypatch.setattr("abradem.cli.simulate.load_kernels", lambda setup, threads=1: None)
     return asked
 
 
@@ -188,7 +188,7 @@ def test_an_error_of_the_program_itself_is_not_hidden(study, monkeypatch):
         raise KeyError("a bug")
 
     monkeypatch.setitem(vars(abradem.dem), "simulate", broken)
-    monkeypatch.setattr("abradem.cli.simulate.load_kernels", lambda setup: None)
+    monkeypatch.setattr("abradem.cli.simulate.load_kernels", lambda setup, threads=1: None)
     with pytest.raises(KeyError, match="a bug"):
         main(["simulate", "--study", str(study), "--case", "0"])
 
@@ -282,7 +282,7 @@ def test_a_command_without_memory_ends_in_one_line(study, monkeypatch, capsys, e
         raise error
 
     monkeypatch.setattr("abradem.dem.simulate", simulate)
-    monkeypatch.setattr("abradem.cli.simulate.load_kernels", lambda setup: None)
+    monkeypatch.setattr("abradem.cli.simulate.load_kernels", lambda setup, threads=1: None)
     assert main(["simulate", "--study", str(study), "--case", "1"]) == 3
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("there was too little memory")

@@ -1,5 +1,6 @@
 """`abradem simulate` and `abradem sweep` for cases of one's own: input, output, one line each."""
 
+import contextlib
 import io
 import re
 from pathlib import Path
@@ -49,7 +50,7 @@ def asked(monkeypatch, here):
 
     monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
     for command in ("simulate", "sweep_cases"):
-        monkeypatch.setattr(f"abradem.cli.{command}.load_kernels", lambda setup: None)
+        monkeypatch.setattr(f"abradem.cli.{command}.load_kernels", lambda setup, threads=1: None)
     return found
 
 
@@ -339,6 +340,38 @@ def test_a_geometry_with_ranges_is_in_their_middle(capsys, asked):
     assert "arc_radius" not in middle_of_ranges(own, ["arc_radius"])
 
 
+PLATE_OF_ITS_OWN = """\
+study: g
+simulation: {plate: {length_mm: 600, width_mm: 240}, factory: {mass_rate_kg_s: 3}}
+sampling: {ranges: {factory_angle: [-20, 0], plate_angle: [10, 30], restitution: 0.4}}
+"""
+CHAIN = """\
+study: g
+simulation:
+  geometry: {kind: plates, plates: [{length_mm: 300, width_mm: 300, angle: 30, name: one}]}
+learning: {part: one}
+"""
+
+
+@pytest.mark.parametrize("text", [PLATE_OF_ITS_OWN, CHAIN])
+def test_a_mesh_replaces_the_plate_or_the_geometry_of_the_configuration(here, text):
+    """And what the files say of that; what is on the command line counts."""
+    Path("g.yaml").write_text(text, "utf-8")
+    asked = ["simulate", "--config", "g.yaml", "--geometry", "mine.stl", "--unit", "in"]
+    problems = []
+    own = read_setup(_parser().parse_args(asked), problems)
+    assert problems == [] and own.setup["geometry"]["shape"]["kind"] == "mesh"
+    assert own.config.learning.part is None
+    if text == PLATE_OF_ITS_OWN:
+        assert own.setup["mass_rate"] == 3.0
+        assert middle_of_ranges(own, [])["restitution"] == 0.4
+    more = [*asked, "--set", "plate.length_mm=600"]
+    assert read_setup(_parser().parse_args(more), problems) is None
+    assert (
+        "plate.length_mm: 600: means nothing beside simulation.geometry.kind: mesh" in problems[0]
+    )
+
+
 def test_a_check_of_a_configuration_reads_its_mesh(capsys, here):
     Path("g.yaml").write_text(
         "study: g\nsimulation: {geometry: {kind: mesh, mesh: {file: none.stl}}}\n", "utf-8"
@@ -367,6 +400,27 @@ def test_a_compilation_is_said_before_and_after(monkeypatch, capsys, compiled, g
     assert len(lines) == (0 if compiled else 2)
     if not compiled:
         assert lines[0].startswith("compiling the engine, once") and lines[1] == "compiled in 0 s"
+
+
+@pytest.mark.parametrize(
+    ("geometry", "threads", "needed"),
+    [
+        (None, 1, [("islands", False)]),
+        (None, 2, [("islands", False), ("parallel", False)]),
+        ({"kind": "arc"}, 2, [("islands", True)]),
+    ],
+)
+def test_threads_need_kernels_of_their_own_on_the_plate_alone(
+    monkeypatch, geometry, threads, needed
+):
+    from abradem.cli.case_input import load_kernels
+    from abradem.dem import cache, warm
+
+    loaded = []
+    monkeypatch.setattr(cache, "is_compiled", lambda *needed: True)
+    monkeypatch.setattr(warm, "load", lambda *needed: loaded.append(needed))
+    load_kernels({"stepping": "islands", "geometry": geometry}, threads)
+    assert loaded == needed
 
 
 def test_a_stepping_is_compiled_when_its_kernel_is_in_the_cache(monkeypatch, tmp_path):
@@ -438,11 +492,11 @@ def test_threads_are_those_asked_for_or_of_the_configuration(
 
     monkeypatch.setitem(vars(abradem.dem), "simulate", simulate)
     monkeypatch.setattr(
-        "abradem.cli.simulate.load_kernels", lambda setup: loaded.append(setup["stepping"])
+        "abradem.cli.simulate.load_kernels", lambda setup, threads: loaded.append(threads)
     )
     assert run(capsys, "simulate", *options)[0] == 0
     assert given == [threads]
-    assert loaded == ["islands"] + ["parallel"] * (threads > 1)
+    assert loaded == [threads]
 
 
 @pytest.mark.parametrize("text", ["0", "65", "1.5", "many"])
@@ -571,6 +625,28 @@ def test_the_picture_of_a_sweep_shows_the_headline_of_the_study(
     assert list(swept.lists) == ["plate_angle", "particle_radius"]
     np.testing.assert_allclose((low + high) / 2, table[target])
     np.testing.assert_allclose((high - low) / 2, table[f"{target}_stderr"], atol=1e-18)
+
+
+def test_an_interrupted_sweep_goes_on_and_writes_the_same_bytes(capsys, asked, monkeypatch):
+    sweep = ("sweep", "particle_radius=20:40:5mm", "--cores", 1, "--output")
+    assert run(capsys, *sweep, "whole.csv")[0] == 0
+    whole = abradem.dem.simulate
+    count = len(asked)
+
+    def until_the_third(case, setup, **options):
+        if len(asked) == count + 3:
+            raise KeyboardInterrupt
+        return whole(case, setup, **options)
+
+    with monkeypatch.context() as patch:
+        patch.setitem(vars(abradem.dem), "simulate", until_the_third)
+        with contextlib.suppress(KeyboardInterrupt):
+            main([str(one) for one in (*sweep, "part.csv")])
+    assert sorted(path.name for path in Path().iterdir()) == ["part.csv.finished", "whole.csv"]
+    assert run(capsys, *sweep, "part.csv")[0] == 0
+    assert len(asked) == count + 5
+    assert Path("part.csv").read_bytes() == Path("whole.csv").read_bytes()
+    assert not Path("part.csv.finished").exists()
 
 
 def test_the_picture_of_a_simulated_sweep_is_written(capsys, asked):

@@ -206,6 +206,17 @@ def test_a_height_beside_a_place_and_a_depth_beside_a_box_mean_nothing():
         configured(geometry, removal_depth_mm=50)
 
 
+def test_a_rate_from_elsewhere_is_for_the_parts_of_a_geometry():
+    beside = {"reference_mm_s": 1e-6, "reference_source": "A and B (2021)"}
+    known = load_config(with_key("wear_rate", beside, kind="arc")).wear_rate
+    assert (known.reference_mm_s, known.reference_source) == (1e-6, "A and B (2021)")
+    with pytest.raises(ConfigError, match=r"reference_mm_s: 1.0e-06: means nothing .*kind: plate"):
+        load_config(with_key("wear_rate.reference_mm_s", 1e-6))
+    alone = with_key("wear_rate.reference_source", "A and B (2021)", kind="arc")
+    with pytest.raises(ConfigError, match=r"reference_source: .*beside wear_rate.reference_mm_s"):
+        load_config(alone)
+
+
 def test_the_plate_angle_varies_where_a_chain_takes_it_alone():
     chain = {"kind": "plates", "plates": [{"length_mm": 3, "width_mm": 3, "angle": 30}]}
     assert sampled_ranges(configured(CHAIN))["plate_angle"] == [0.0, 70.0]

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from abradem.dem.steady import (
+    COSINES,
     LARGEST_CHANGE,
-    LEAST_FACTOR,
     batch_means,
     change,
+    cosines,
     integral,
+    slow_variance,
     steady_part,
     steady_start,
 )
@@ -279,38 +281,39 @@ def of_batches(means):
     )
 
 
-def test_the_error_of_independent_batches_has_no_bias():
+def test_the_error_of_independent_pieces_has_no_bias():
     """The expectation of a square sum under the covariance 1 is its sum over unit vectors."""
-    number = 40
-    squares = [of_batches(row).stderr ** 2 for row in np.eye(number)]
-    assert sum(squares) == pytest.approx(1.0 / number, rel=1e-12)
+    squares = [slow_variance(row, 12) for row in np.eye(40)]
+    assert sum(squares) == pytest.approx(1.0 / 40, rel=1e-12)
 
 
 def test_the_freedom_is_that_of_the_quadratic_form():
     """x'Ax of normal x has the mean tr A and the variance 2 tr A^2: freedom (tr A)^2 / tr A^2."""
     number = 40
-    centred = np.eye(number) - 1.0 / number
-    neighbours = np.eye(number) + np.eye(number, k=1) + np.eye(number, k=-1)
-    form = centred @ neighbours @ centred / ((number - 1) * (number - 2))
-    means = np.random.default_rng(23).normal(size=number)
-    found = of_batches(means)
-    assert -0.375 < found.lag1 < 0.26
-    assert found.stderr**2 == pytest.approx(means @ form @ means, rel=1e-12)
-    freedom = np.trace(form) ** 2 / np.trace(form @ form)
-    assert found.freedom == pytest.approx(freedom, rel=0.01)
+    form = np.zeros((number, number))
+    for i, one in enumerate(np.eye(number)):
+        for j, two in enumerate(np.eye(number)):
+            # Polarisation: the square sum of a sum less that of a difference.
+            form[i, j] = 0.25 * (slow_variance(one + two, 12) - slow_variance(one - two, 12))
+    assert np.trace(form) ** 2 / np.trace(form @ form) == pytest.approx(12.0, rel=1e-12)
+    found = of_batches(np.random.default_rng(23).normal(size=number))
+    assert found.lag1 < 0.26 and found.freedom == COSINES == 12
 
 
-def test_the_error_is_that_of_pairs_and_batches_extrapolated():
-    """Slow twin: of overlapping pairs and batches, the variances V_2 and V_1 give 2 V_2 - V_1."""
+@pytest.mark.parametrize("pieces, number", [(20, 6), (35, 11), (36, 12), (79, 12)])
+def test_few_batches_have_fewer_cosines(pieces, number):
+    assert cosines(pieces) == number
+
+
+def test_the_error_is_that_of_the_slowest_cosines():
+    """Slow twin: a discrete cosine transform, written out as sums."""
     means = np.random.default_rng(24).normal(5.0, 1.0, 50)
-    found = of_batches(means)
-    off = means - means.mean()
-    single = sum(x * x for x in off) / 50
-    pairs = sum(0.5 * (off[i] + off[i + 1]) ** 2 for i in range(49)) / 50
-    ends = 0.5 * (off[0] ** 2 + off[-1] ** 2) / 50
-    expected = (2.0 * (pairs + ends) - single) / 49 * 50 / 48
-    assert -0.375 < found.lag1 < 0.23
-    assert found.stderr**2 == pytest.approx(expected, rel=1e-12)
+    total = 0.0
+    for j in range(1, 13):
+        wave = [np.cos(np.pi * j * (2 * k + 1) / 100) for k in range(50)]
+        norm = sum(one * one for one in wave)
+        total += sum(one * x for one, x in zip(wave, means, strict=True)) ** 2 / norm
+    assert of_batches(means).stderr ** 2 == pytest.approx(total / 12 / 50, rel=1e-9)
 
 
 def test_what_a_batch_wears_less_at_its_edge_its_neighbour_wears_more():
@@ -327,13 +330,6 @@ def test_what_a_batch_wears_less_at_its_edge_its_neighbour_wears_more():
     stated = np.sqrt(np.mean([means.stderr**2 for means in found]))
     assert stated == pytest.approx(true, rel=0.08)
     assert np.mean(plain) > 1.2 * true
-
-
-def test_the_error_is_never_less_than_half_of_that_of_independent_batches():
-    means = 1.0 + np.resize([0.5, -0.5], 40)
-    found = of_batches(means)
-    assert found.lag1 < -0.9
-    assert found.stderr**2 == pytest.approx(LEAST_FACTOR * means.var(ddof=1) / 38, rel=1e-12)
 
 
 def test_correlated_batches_are_seen_and_the_error_enlarged():

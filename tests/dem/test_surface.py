@@ -30,6 +30,7 @@ CHANNEL = extruded([(-0.1, 0.05), (0.0, 0.0), (0.02, 0.0), (0.1, 0.07)], 0.2, ac
     [
         checked.cut_plane_checks, checked.seam_checks, checked.edge_checks, checked.corner_checks,
         checked.arc_checks, checked.belt_checks, checked.drum_checks,
+        checked.bed_in_drum_checks,
     ],
 )  # fmt: skip
 def test_motions_on_surfaces_match_the_plate_and_closed_forms(checks):

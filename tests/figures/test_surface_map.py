@@ -94,6 +94,26 @@ def test_rates_of_parts_are_drawn_against_what_varied():
     assert panel.get_xlabel() == "angle of plate 2 (°)"
 
 
+def test_rates_of_parts_are_side_by_side_where_nothing_varied():
+    cases = pd.DataFrame({"case_id": [0, 1], "plate_angle": 30.0})
+    parts = pd.DataFrame(
+        {
+            "case_id": [0, 0, 1, 1],
+            "part_name": ["a", "b"] * 2,
+            "wear_total_mean": [1.0, 2.0, 3.0, 4.0],
+            "wear_total_p99": [5.0, 6.0, 7.0, 8.0],
+        }
+    )
+    effects = part_effects(parts, cases, "wear_total_mean")
+    figure = draw_part_rates(parts, effects, cases, {"name": "wear_total_mean"}, reference=0.5)
+    (panel,) = figure.axes
+    mean, p99, line = panel.lines
+    assert mean.get_xdata().tolist() == [0, 1, 0, 1] and mean.get_ydata().tolist() == [1, 2, 3, 4]
+    assert p99.get_ydata().tolist() == [5, 6, 7, 8]
+    assert line.get_label() == "reference" and set(line.get_ydata()) == {0.5}
+    assert [tick.get_text() for tick in panel.get_xticklabels()] == ["a", "b"]
+
+
 def test_a_closed_solid_shows_its_creases_and_a_smooth_one_nothing(tmp_path):
     """A box has no rims; a sphere neither rims nor creases, and is drawn all the same."""
     trimesh = pytest.importorskip("trimesh")

@@ -24,7 +24,7 @@ SUMMARY = {
     "target_words": "wear depth rate, total", "wear_range": [5.061e-5, 0.25],
     "median_relative_stderr": 0.088,
 }  # fmt: skip
-NOISE = {"r2_floor": 0.93}
+NOISE = {"r2_floor": 0.93, "r2_floor_band": [0.91, 0.947]}
 
 
 def comparison(scores):
@@ -58,8 +58,11 @@ def test_the_answer_names_the_best_model_the_best_on_the_papers_features_and_the
         "For cases that it has not seen, the best model, Gaussian process, explains 92.5 % of the "
         "variance of the wear depth rate, total; the best one on the features of the paper, "
         "GA-ANN, on the same splits without leakage, 77.5 %. The noise of the simulations limits "
-        "any model to 93.0 %."
+        "any model to 93.0 % (91.0 to 94.7 %)."
     )
+    alone = {"r2_floor": 0.93, "r2_floor_band": [None, None]}
+    said = answer(SUMMARY, same_splits(comparison(SCORES)), alone)
+    assert said.endswith("limits any model to 93.0 %.")
 
 
 @pytest.mark.parametrize(
@@ -104,6 +107,8 @@ def test_the_page_is_complete_and_escapes_what_it_shows():
     assert not re.findall("<!--[A-Z]+-->", found) and not re.search(r"https?:", found)
     assert base64.b64encode(b"\x89PNG").decode() in found
     assert "overlap &lt;5 %" in found
+    # No line ends between a number and its unit.
+    assert 'explains <span class="number">92.5 %</span> of the' in found
     assert "median and central 95 % of 20 random splits" in found
     cells = re.findall("<td>(.*?)</td>", found)
     assert cells[:3] == ["0.9252", "0.1000 to 0.9900", "0.0748"]

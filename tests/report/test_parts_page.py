@@ -43,3 +43,19 @@ def test_no_effect_is_stated_where_nothing_varied_or_none_is_clear():
 
 def test_without_rates_the_page_says_so():
     assert "No case gave a wear rate." in page(PARTS.iloc[:0], CASES)
+
+
+def test_rates_are_put_beside_one_from_elsewhere():
+    """The target and its 99th percentile, as multiples, and which are of the same order."""
+    parts = PARTS.assign(wear_friction_p99=10.0 * PARTS[COLUMN])
+    effects = part_effects(parts, CASES, COLUMN)
+    text = parts_page("one", parts, effects, CASES, COLUMN, 0.2, "A and B (2021)")
+    assert (
+        "As multiples of the 0.2 mm/s that A and B (2021) report: lower 11 (mean), 1.1e+02 (99th "
+        "percentile of the cells); upper 5.2 (mean), 52 (99th percentile of the cells). "
+        "Within a factor of 10 of it: mean of upper." in text
+    )
+    far = parts_page("one", parts, effects, CASES, COLUMN, 1e-6)
+    assert "of the 1e-06 mm/s: lower" in far and "Within a factor of 10 of it: none." in far
+    assert "As multiples" not in parts_page("one", parts, effects, CASES, COLUMN)
+    assert "As multiples" not in parts_page("one", parts.iloc[:0], effects, CASES, COLUMN, 0.2)

@@ -50,8 +50,7 @@ def snakemake(root, *arguments):
         ],
         cwd=root, text=True, check=False, timeout=1800, stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), *sys.path]),
-             "NUMBA_OPT": "1", "ABRADEM_CACHE_DIR": str(root / "cache")},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), *sys.path])},
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
     return done.stdout

@@ -90,6 +90,8 @@ rule part_effects:
     params:
         study=CONFIG.study,
         column=TARGET["name"],
+        reference=CONFIG.wear_rate.reference_mm_s,
+        source=CONFIG.wear_rate.reference_source,
         code=code_of("geometry/answers"),
     script:
         "../scripts/geometry/answers.py"
@@ -131,6 +133,6 @@ rule figure_part_rates:
         "../envs/abradem.yaml"
     params:
         **drawn_as("part_rates"),
-        options={"target": TARGET},
+        options={"target": TARGET, "reference": CONFIG.wear_rate.reference_mm_s},
     script:
         "../scripts/figures/figure.py"

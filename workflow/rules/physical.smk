@@ -158,7 +158,7 @@ rule surrogate:
             f"{RESULTS}/models/surrogate.json",
             caption="../report/surrogate.rst",
             category="Models",
-            labels={"file": "surrogate.json", "content": "of abradem predict"},
+            labels={"file": "surrogate.json", "content": "model of abradem predict"},
         ),
         model_arrays=f"{RESULTS}/models/surrogate.safetensors",
         scores=f"{RESULTS}/learning/surrogate_scores.parquet",

@@ -193,7 +193,7 @@ rule model_card:
             f"{RESULTS}/models/model_card.html",
             caption="../report/model_card.rst",
             category="Models",
-            labels={"model": "surrogate", "content": "model card"},
+            labels={"file": "model_card.html", "content": "model card of the surrogate"},
         ),
     log:
         f"{LOGS}/model_card.log",
@@ -228,7 +228,7 @@ rule explorer:
             f"{RESULTS}/explorer.html",
             caption="../report/explorer.rst",
             category="Models",
-            labels={"model": "surrogate", "content": "explorer"},
+            labels={"file": "explorer.html", "content": "explorer"},
         ),
     log:
         f"{LOGS}/explorer.log",

@@ -33,7 +33,7 @@ rule scene_page:
             f"{RESULTS}/scene.html",
             caption="../report/scene.rst",
             category="Set-up",
-            labels={"figure": "scene in 3-D", "file": "scene.html"},
+            labels={"file": "scene.html", "content": "scene in 3-D"},
         ),
     log:
         f"{LOGS}/scene_page.log",

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from typing import Any
 
 import pandas as pd
 
+from abradem.cases.kept_rows import KeptRows
 from abradem.dem.model import Setup
 from abradem.quantities import GEOMETRY_NAMES, SAMPLED_NAMES, STDERR_COLUMNS, WEAR_COLUMNS
 from abradem.sampling.checks import check_case
@@ -54,6 +55,7 @@ def simulate_cases(
     options: Mapping | None = None,
     cores: int = 1,
     finished: Callable[[int], object] | None = None,
+    kept: KeptRows | None = None,
 ) -> pd.DataFrame:
     """Simulate all cases and return their wear rates.
 
@@ -71,6 +73,9 @@ def simulate_cases(
         Number of processes; the result does not depend on it.
     finished : callable, optional
         Called with the number of finished cases.
+    kept : KeptRows, optional
+        Finished cases of an interrupted sweep, which are not simulated again; the others are added
+        as they end.
 
     Returns
     -------
@@ -84,12 +89,22 @@ def simulate_cases(
         (_row(number, seed, case, plain), plain, wanted)
         for number, case in enumerate(cases.to_dict("records"))
     ]
-    rows = []
-    for row in _results(jobs, cores):
-        rows.append(row)
-        if finished is not None:
+    with kept or KeptRows() as store:
+        # The number of a case in its sweep decides nothing.
+        keys = [store.key({**row, "case_id": 0}, plain, wanted) for row, _, _ in jobs]
+        rows = {
+            place: row for place, key in enumerate(keys) if (row := store.find(key)) is not None
+        }
+        if rows and finished is not None:
             finished(len(rows))
-    return pd.concat([cases.reset_index(drop=True), pd.DataFrame(rows)], axis=1)
+        waiting = [place for place in range(len(jobs)) if place not in rows]
+        for number, row in _results([jobs[place] for place in waiting], cores):
+            rows[waiting[number]] = row
+            store.add(keys[waiting[number]], row)
+            if finished is not None:
+                finished(len(rows))
+    added = pd.DataFrame([rows[place] for place in range(len(jobs))])
+    return pd.concat([cases.reset_index(drop=True), added], axis=1)
 
 
 def _row(number: int, seed: int, case: Mapping, setup: Mapping) -> dict[str, Any]:
@@ -99,13 +114,21 @@ def _row(number: int, seed: int, case: Mapping, setup: Mapping) -> dict[str, Any
     return {"case_id": number, "block": 0, "seed": seed, "rejected": rejected, **values}
 
 
-def _results(jobs: Sequence[tuple], cores: int) -> Iterable[dict]:
+def _results(jobs: Sequence[tuple], cores: int) -> Iterator[tuple[int, dict]]:
+    """Place and result of every job, as they end."""
     if cores == 1 or len(jobs) < 2:
-        yield from itertools.starmap(_rates, jobs)
+        yield from enumerate(itertools.starmap(_rates, jobs))
         return
     # A new interpreter: a copy of this one could hold a lock of a thread.
     with ProcessPoolExecutor(min(cores, len(jobs)), get_context("spawn")) as pool:
-        yield from pool.map(_rates, *zip(*jobs, strict=True))
+        places = {pool.submit(_rates, *job): place for place, job in enumerate(jobs)}
+        try:
+            for done in as_completed(places):
+                yield places[done], done.result()
+        except BaseException:
+            # Cases that wait would be simulated before the error is seen.
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
 
 
 def _rates(row: Mapping, setup: Mapping, options: Mapping) -> dict:

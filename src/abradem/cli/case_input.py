@@ -66,8 +66,9 @@ def add_case_arguments(parser: argparse.ArgumentParser) -> None:
         "--geometry",
         type=Path,
         metavar="FILE",
-        help="mesh that the particles wear, .stl, .obj or .ply; short for --set "
-        "geometry.kind=mesh --set geometry.mesh.file=FILE",
+        help="mesh that the particles wear, .stl, .obj or .ply, instead of the plate or the "
+        "geometry of the configuration; short for --set geometry.kind=mesh --set "
+        "geometry.mesh.file=FILE without what the files say of the plate",
     )
     parser.add_argument(
         "--unit",
@@ -96,6 +97,7 @@ def add_case_arguments(parser: argparse.ArgumentParser) -> None:
 def read_setup(options: argparse.Namespace, problems: list[str]) -> OwnSetup | None:
     """Return the set-up that the options describe, or None; problems are added, a line each."""
     from abradem.config import ConfigError, load_config, read_config, setup_dict
+    from abradem.config.unused import REPLACED_BY_A_MESH
 
     duration = _duration(options.duration, problems)
     if options.seed is not None and not 0 <= options.seed <= LARGEST_SEED:
@@ -111,7 +113,11 @@ def read_setup(options: argparse.Namespace, problems: list[str]) -> OwnSetup | N
         except InputError as error:
             problems.append(str(error))
     try:
-        config = read_config(*files, command_line=entries)
+        config = read_config(
+            *files,
+            command_line=entries,
+            leave_out=REPLACED_BY_A_MESH if options.geometry is not None else (),
+        )
     except ConfigError as error:
         problems += error.problems
         return None
@@ -278,19 +284,21 @@ def patch_words(feed: Feed) -> str:
     )
 
 
-def load_kernels(setup: Mapping) -> None:
+def load_kernels(setup: Mapping, threads: int = 1) -> None:
     """Load the kernels of the engine for a set-up; say so if they have to be compiled first."""
     from abradem.dem import warm
     from abradem.dem.cache import compiling_words, is_compiled
+    from abradem.simulation.batch import kernels_needed
 
-    begin = time.monotonic()
-    needed = setup["stepping"], bool(setup.get("geometry"))
-    compiles = not is_compiled(*needed)
-    if compiles:
-        print(f"compiling the engine, {compiling_words(needed[1])}", file=sys.stderr, flush=True)
-    warm.load(*needed)
-    if compiles:
-        print(f"compiled in {time.monotonic() - begin:.0f} s", file=sys.stderr)
+    for stepping, on_surface in kernels_needed(setup, threads):
+        begin = time.monotonic()
+        compiles = not is_compiled(stepping, on_surface)
+        if compiles:
+            words = compiling_words(on_surface)
+            print(f"compiling the engine, {words}", file=sys.stderr, flush=True)
+        warm.load(stepping, on_surface)
+        if compiles:
+            print(f"compiled in {time.monotonic() - begin:.0f} s", file=sys.stderr)
 
 
 def progress_line(setup: Mapping) -> tuple[Callable[[float], None] | None, Callable[[], None]]:

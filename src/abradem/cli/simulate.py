@@ -250,9 +250,7 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
             except ValueError as error:
                 raise InputError(f"this case cannot be simulated: {error}") from None
             print(patch_words(factory), file=sys.stderr)
-        load_kernels(setup)
-        if threads > 1 and not setup.get("geometry"):
-            load_kernels({**setup, "stepping": "parallel"})
+        load_kernels(setup, threads)
         progress, clear = progress_line(setup)
     try:
         tables = run_case(row, setup, progress, threads)

@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from abradem.cli.arguments import InputError
 from abradem.cli.case_input import (
@@ -31,6 +32,9 @@ from abradem.cli.given_values import (
 )
 from abradem.surrogate.model import PredictionError, Surrogate
 
+if TYPE_CHECKING:
+    from abradem.cases.kept_rows import KeptRows
+
 NOT_ALL_OK = 1
 """Exit code if a case of the sweep has no wear rate."""
 
@@ -41,6 +45,7 @@ A value, a list or a range FIRST:LAST:STEP; a unit behind the last number is tha
 
 `abradem predict --help` lists the quantities, their units and the materials. A quantity that is
 not given is in the middle of its range in the configuration. All cases have the same seed.
+Finished cases of an interrupted sweep are in OUTPUT.finished: the same command goes on.
 """
 
 
@@ -172,9 +177,11 @@ def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
 
     say_origins(swept.fixed, own, filled)
     load_kernels(own.setup)
+    kept = _kept_rows(own, options)
     table = simulate_cases(
-        cases, own.setup, own.seed, rate_options(own.config), options.cores, _counter(len(cases))
-    )
+        cases, own.setup, own.seed, rate_options(own.config), options.cores, _counter(len(cases)),
+        kept,
+    )  # fmt: skip
     said = headline(own.config)
     target = said.name
     rate, error = table[target].to_numpy(), table[stderr_column(target)].to_numpy()
@@ -184,12 +191,29 @@ def _simulate(cases, swept: Swept, own: OwnSetup, filled: dict, options) -> int:
         words = f"{said.words[0].upper()}{said.words[1:]}"
         _draw(table, swept, target, rate - error, rate + error, words, bars, options.figure)
     lacking = table[table[target].isna()]
+    kept.remove()
     _say(len(table), len(lacking), "simulated", options)
     for _, row in lacking.iterrows():
         named = ", ".join(f"{name} = {row[name]:g}" for name in swept.lists)
         why = row["quality"] if row["status"] == "ok" else row["status"]
         print(f"no wear rate: {named or 'the case'}: {why}", file=sys.stderr)
     return NOT_ALL_OK if len(lacking) else 0
+
+
+def _kept_rows(own: OwnSetup, options: argparse.Namespace) -> KeptRows:
+    """Finished cases of this sweep: beside its table, or beside its picture without a table."""
+    from abradem.cases import kept_rows, sweep
+    from abradem.geometry.build import mesh_file
+    from abradem.running.code_hash import files_hash, step_hash
+
+    beside = options.output or options.figure
+    if beside is None:
+        return kept_rows.KeptRows()
+    geometry = own.setup.get("geometry")
+    mesh = None if geometry is None else mesh_file(geometry)
+    code = step_hash(Path(sweep.__file__))
+    content = files_hash(Path(mesh)) if mesh else ""
+    return kept_rows.KeptRows(beside.with_name(f"{beside.name}.finished"), f"{code} {content}")
 
 
 def _predict(cases, swept: Swept, own: OwnSetup, filled: dict, level, options) -> int:

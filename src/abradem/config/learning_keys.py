@@ -40,6 +40,16 @@ class WearRate(Section):
         ge=0.0,
         le=1.0,
     )
+    reference_mm_s: float | None = setting(
+        None,
+        "Depth rate from elsewhere that the rates of the parts of a geometry are put beside.",
+        unit="mm/s",
+        gt=0.0,
+        le=1000.0,
+    )
+    reference_source: Text | None = setting(
+        None, "Who states reference_mm_s, as written in the answer.", allowed="a text or null"
+    )
 
 
 class Features(Section):

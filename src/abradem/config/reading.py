@@ -47,7 +47,9 @@ class ConfigError(ValueError):
         super().__init__("\n".join(self.problems))
 
 
-def read_config(*paths: str | os.PathLike, command_line: Sequence[str] = ()) -> Config:
+def read_config(
+    *paths: str | os.PathLike, command_line: Sequence[str] = (), leave_out: Sequence[str] = ()
+) -> Config:
     """Read a configuration from files and from the command line of Snakemake.
 
     Parameters
@@ -56,6 +58,8 @@ def read_config(*paths: str | os.PathLike, command_line: Sequence[str] = ()) -> 
         Each file overrides the keys of the earlier ones.
     command_line : sequence of str
         Entries ``key=value`` of ``--config``, which override the files. The value is YAML.
+    leave_out : sequence of str
+        Dotted keys that are taken from the command line alone, with all below them.
 
     Raises
     ------
@@ -75,6 +79,8 @@ def read_config(*paths: str | os.PathLike, command_line: Sequence[str] = ()) -> 
         else:
             problems += found.lines
             faulty += found.keys
+            for name in leave_out:
+                _remove(values, name.split("."))
             sources.append((shown_path(path), values))
     if unreadable:
         raise ConfigError(list(dict.fromkeys(problems)))
@@ -136,6 +142,15 @@ class _Found(NamedTuple):
 
     lines: list[str]
     keys: list[Key]
+
+
+def _remove(values: Any, path: Sequence[str]) -> None:
+    """Remove what nested mappings hold under a key, if anything."""
+    *above, last = path
+    for name in above:
+        values = values.get(name) if isinstance(values, dict) else None
+    if isinstance(values, dict):
+        values.pop(last, None)
 
 
 def _checked(

@@ -22,6 +22,9 @@ _OF_A_GEOMETRY = (
 )  # fmt: skip
 """Keys of `simulation.geometry` of every kind but the plate."""
 
+_OF_PARTS = ("wear_rate.reference_mm_s", "wear_rate.reference_source")
+"""Keys for the named parts of a geometry, which the plate has none of."""
+
 _OF_THE_PLATE = (
     "simulation.plate.length_mm",
     "simulation.plate.width_mm",
@@ -33,6 +36,17 @@ _OF_THE_PLATE = (
     "figures.movie.plate_angles",
 )
 """Keys that mean nothing beside another geometry."""
+
+REPLACED_BY_A_MESH = (
+    *(f"simulation.geometry.{name}" for name in KINDS),
+    "simulation.geometry.moving",
+    *_OF_THE_PLATE,
+    "figures.typical.plate_angle",
+    "sampling.ranges.plate_angle",
+    "sampling.ranges.factory_angle",
+    "learning.part",
+)
+"""Keys of the plate, or of the geometry of a study, that a mesh in its place replaces."""
 
 
 def unused(config: Config) -> Iterator[tuple[Key, str]]:
@@ -76,12 +90,14 @@ def _without_meaning(config: Config) -> Iterator[tuple[str, list[str]]]:
     if geometry.kind != "mesh":
         others.append(f"{above}.moving")
     if geometry.kind == "plate":
-        yield kind, others + [f"{above}.{name}" for name in _OF_A_GEOMETRY]
+        yield kind, [*others, *(f"{above}.{name}" for name in _OF_A_GEOMETRY), *_OF_PARTS]
         return
     angle = [] if _takes_plate_angle(config) else ["figures.typical.plate_angle"]
     yield kind, [*others, *_OF_THE_PLATE, *angle]
     if geometry.factory_centre_mm is not None:
         yield f"{above}.factory_centre_mm", ["simulation.factory.fall_height_mm"]
+    if config.wear_rate.reference_mm_s is None:
+        yield "wear_rate.reference_mm_s: null", ["wear_rate.reference_source"]
     if geometry.removal_box_mm is not None:
         yield f"{above}.removal_box_mm", ["simulation.removal_depth_mm"]
 

@@ -21,9 +21,9 @@ BIN = 0.1
 LAG1_QUANTILE = 1.645
 """One-sided 95 % bound of a normal variable: larger lag-1 correlations are significant."""
 
-LEAST_FACTOR = 0.25
-"""Least factor of the squared error for negatively correlated batches. A large negative correlation
-is known too badly from 40 batches, and the error could come out near 0."""
+COSINES = 12
+"""Most cosines of the error of a mean, and its degrees of freedom. The slowest has a period of two
+records, the fastest of a sixth of one; faster ones see the scatter at the edges of the pieces."""
 
 LEAST_BINS = 20
 """Bins that must remain after a late truncation; the scatter of fewer is not informative."""
@@ -62,12 +62,8 @@ class BatchMeans(NamedTuple):
 
     @property
     def freedom(self) -> float:
-        """Degrees of freedom of ``stderr``, for Student's t: (n - 2) / 3 of n batches.
-
-        If they are independent and normal, the squared error has the relative variance 6 / n for
-        large n: 2 / n from the variance of the batches, 4 / n from twice their lag-1 covariance.
-        """
-        return (self.batches - 2) / 3.0
+        """Degrees of freedom of ``stderr``, for Student's t: the number of cosines."""
+        return float(cosines(self.batches))
 
 
 class Change(NamedTuple):
@@ -254,6 +250,37 @@ def correlation_factor(lag1: float, batches: int) -> float:
     return 1.0
 
 
+def cosines(pieces: int) -> int:
+    """Number of cosines for the error of a mean of so many pieces: a third, at most `COSINES`."""
+    return min(COSINES, pieces // 3)
+
+
+def slow_variance(values: np.ndarray, number: int) -> float:
+    """Squared standard error of a mean, from the slowest fluctuations of the values.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Values of equal pieces of a steady record.
+    number : int
+        Number of cosines B.
+
+    Returns
+    -------
+    float
+        Mean square of the projections on the first B cosines, over n. With them as unit vectors,
+        sqrt(2/n) cos(pi j (k + 1/2)/n) for j = 1 to B, the estimate is that of the spectrum at the
+        frequency 0 by equal weights (Mueller 2007, J. Econometrics 141:1331; Lazarus, Lewis, Stock
+        and Watson 2018, J. Bus. Econ. Stat. 36:541). For a spectrum that is flat up to B/(2 n)
+        cycles a piece, the mean over its error follows Student's t of B degrees of freedom.
+    """
+    pieces = len(values)
+    order = np.arange(1, number + 1)[:, None]
+    waves = np.cos(np.pi * order * (np.arange(pieces) + 0.5) / pieces)
+    projections = math.sqrt(2.0 / pieces) * (waves @ (values - values.mean()))
+    return float(projections @ projections) / number / pieces
+
+
 def batch_means(
     time: np.ndarray,
     cumulative: np.ndarray,
@@ -269,8 +296,8 @@ def batch_means(
     and their edges are where the plate wears least, between the impacts of two particles.
 
     Falls last differently long, so what one batch wears less at an edge its neighbour wears more.
-    The error of the mean is therefore less than that of independent batches, and the lag-1
-    covariance is added to their variance.
+    The error of the mean is therefore less than that of independent batches. It is estimated from
+    the slow fluctuations of the record, which edges hardly change.
 
     Parameters
     ----------
@@ -289,14 +316,12 @@ def batch_means(
     Returns
     -------
     BatchMeans
-        With the variance s^2 of the n batches and their lag-1 correlation r, ``stderr`` is
-        s sqrt(f / (n - 2)), where f = (1 + r) / (1 - r), as for a correlation that decays
-        exponentially, if r is significantly positive, and otherwise 1 + 2 r, at least
-        `LEAST_FACTOR`. The latter is the batch-means estimate 2 V_2 - V_1 without the bias of
-        first order, with V_2 from pairs of batches (Vats and Flegal 2022, Biometrika 109:735; as a
-        flat-top lag window: Politis and Romano 1995, J. Time Ser. Anal. 16:67). For independent
-        batches it has no bias. All are nan, and ``batches`` is 0, if there are fewer samples
-        than ``minimum``.
+        ``stderr`` is that of `slow_variance`, from the release intervals (samples, if these are
+        longer) and `cosines` of the number of batches. If the lag-1 correlation r of the n batches
+        is significantly positive, it is that of independent batches, with their variance s^2,
+        enlarged as for a correlation that decays exponentially:
+        s sqrt((1 + r) / (1 - r) / (n - 2)). All are nan, and ``batches`` is 0, if there are fewer
+        samples than ``minimum``.
     """
     time = np.asarray(time, dtype=float)
     samples = int(np.count_nonzero(time > start))
@@ -304,6 +329,7 @@ def batch_means(
         return BatchMeans(np.nan, np.nan, np.nan, 0)
     wanted = min(2 * minimum, samples)
     edges: np.ndarray = np.linspace(start, time[-1], wanted + 1)
+    pieces = wanted * max(1, samples // wanted)
     if release_interval > 0.0:
         end = _quiet_end(time, cumulative, start, release_interval)
         intervals = int((end - start) / release_interval * (1.0 + ROUNDING_OF_TIMES))
@@ -311,14 +337,19 @@ def batch_means(
             each = max(1, intervals // wanted)
             places = np.arange(intervals // each, -1, -1)
             edges = end - each * release_interval * places
+            pieces = places[0] * each
+            pieces //= max(1, round(pieces / samples))
     number = edges.size - 1
     length = (edges[-1] - edges[0]) / number
     means = np.diff(np.interp(edges, time, cumulative)) / length
     lag1 = lag1_correlation(means - means.mean())
-    factor = correlation_factor(lag1, number) ** 2
-    if factor == 1.0:
-        factor = max(1.0 + 2.0 * lag1, LEAST_FACTOR)
-    stderr = math.sqrt(float(means.var(ddof=1)) * factor / (number - 2))
+    factor = correlation_factor(lag1, number)
+    if factor > 1.0:
+        stderr = factor * math.sqrt(float(means.var(ddof=1)) / (number - 2))
+    else:
+        fine = np.interp(np.linspace(edges[0], edges[-1], pieces + 1), time, cumulative)
+        rates = np.diff(fine) * (pieces / (edges[-1] - edges[0]))
+        stderr = math.sqrt(slow_variance(rates, cosines(number)))
     return BatchMeans(float(means.mean()), stderr, lag1, number)
 
 

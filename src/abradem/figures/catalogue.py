@@ -303,7 +303,7 @@ FIGURES: dict[str, Entry] = {
         "wear of the parts",
         "part_rates:draw_part_rates",
         "Wear depth rate of each named part of the surface against the quantities that varied, "
-        "those with the strongest rank correlation first.",
+        "those with the strongest rank correlation first; where none varied, side by side.",
     ),
     "verification": Entry(
         VERIFICATION,

@@ -341,7 +341,7 @@ def _draw_fall(panel: Axes, scene: PlacedCase, size: float) -> None:
         arrowprops={"arrowstyle": "<->", "lw": 0.7, "shrinkA": 0, "shrinkB": 0},
     )  # fmt: skip
     panel.annotate(
-        f"$H$ = {_number(fall)} mm", xy=(x, top - 0.5 * fall), xytext=(2, 0), rotation=90.0,
+        f"$H$ = {_number(fall)} mm", xy=(x, top - 0.5 * fall), xytext=(5, 0), rotation=90.0,
         textcoords="offset points", fontsize=6.5, va="center", ha="left",
     )  # fmt: skip
 

@@ -181,7 +181,11 @@ def predict_network(arrays: dict[str, np.ndarray], z: np.ndarray) -> np.ndarray:
     layer, values = 0, z.astype(np.float32)
     while f"weights_{layer}" in arrays:
         values = np.maximum(values, 0.0) if layer else values
-        values = values @ arrays[f"weights_{layer}"] + arrays[f"biases_{layer}"]
+        # OpenBLAS sets the flag of an invalid operation on some processors where all is finite
+        # (github.com/numpy/numpy/issues/24067); a value that is not finite is returned as it is.
+        with np.errstate(invalid="ignore"):
+            values = values @ arrays[f"weights_{layer}"]
+        values = values + arrays[f"biases_{layer}"]
         layer += 1
     return values[:, 0].astype(float)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Mapping
 
 import pandas as pd
@@ -59,7 +60,7 @@ def overview_page(
     parts = {
         "STUDY": for_html(study),
         "SURFACE": for_html(surface),
-        "ANSWER": for_html(answer(summary, models, noise)),
+        "ANSWER": _whole_numbers(for_html(answer(summary, models, noise))),
         "NUMBERS": "".join(
             f"<div><strong>{for_html(number)}</strong><span>{for_html(words)}</span></div>"
             for number, words in three_numbers(summary, models)
@@ -109,7 +110,17 @@ def answer(summary: Mapping, models: pd.DataFrame, noise: Mapping | None) -> str
         said += (
             f". The noise of the simulations limits any model to {_explained(noise['r2_floor'])}"
         )
+        low, high = noise["r2_floor_band"]
+        if is_number(low) and is_number(high):
+            # The limit is an estimate, so a score may lie above it.
+            said += f" ({100.0 * max(low, 0.0):.1f} to {percentage(high, '.1f')})"
     return f"{said}."
+
+
+def _whole_numbers(text: str) -> str:
+    """Text in which no number is divided from its unit, and no name at its hyphens."""
+    whole = r"\d[\d.]*(?:-\d+)+|\d[\d.]* (?:%|mm)"
+    return re.sub(whole, r'<span class="number">\g<0></span>', text)
 
 
 def _explained(r2: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from abradem.quantities import wear_column
 from abradem.report.findings import to_html
 from abradem.wear.part_effects import varied_quantities
 from abradem.words.labels import LABELS
@@ -12,9 +13,18 @@ from abradem.words.wear import WearTarget
 CLEAR = 0.6
 """Rank correlation from which an effect is stated."""
 
+SAME_ORDER = 10.0
+"""Factor within which two rates are of the same order of magnitude."""
+
 
 def parts_page(
-    study: str, parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, column: str
+    study: str,
+    parts: pd.DataFrame,
+    effects: pd.DataFrame,
+    cases: pd.DataFrame,
+    column: str,
+    reference: float | None = None,
+    source: str | None = None,
 ) -> str:
     """Return the page: what decides the wear of each part, and how much each part wears.
 
@@ -29,8 +39,15 @@ def parts_page(
     cases : pandas.DataFrame
     column : str
         Wear rate, mm/s.
+    reference : float, optional
+        Rate from elsewhere, mm/s, that the rates of the parts are put beside.
+    source : str, optional
+        Who states it.
     """
-    paragraphs = [("Answer", _answer(parts, effects, cases, column))]
+    answer = _answer(parts, effects, cases, column)
+    if reference is not None and len(parts):
+        answer += f" {_beside(parts, column, reference, source)}"
+    paragraphs = [("Answer", answer)]
     paragraphs += [
         (f"Part {part}", _part(part, parts, effects, column))
         for part in dict.fromkeys(parts["part_name"])
@@ -59,6 +76,36 @@ def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, col
     if varied_quantities(cases):
         text += f" No quantity that varied decides it alone (rank correlations below {CLEAR:g})."
     return text
+
+
+def _beside(parts: pd.DataFrame, column: str, reference: float, source: str | None) -> str:
+    """Return two sentences on the rates of the parts beside one from elsewhere.
+
+    Besides the target its 99th percentile over the cells is compared: over which area a rate from
+    elsewhere is a mean is often not known.
+    """
+    target = WearTarget(column)
+    columns = {
+        name: WearTarget(name).of_cells
+        for name in dict.fromkeys((column, wear_column(target.measure, "p99")))
+    }
+    shares = parts.groupby("part_name", sort=False)[list(columns)].mean() / reference
+    shares = shares.sort_values(column, ascending=False)
+    each, near = [], []
+    for part, row in shares.iterrows():
+        each.append(
+            f"{part} " + ", ".join(f"{row[name]:.2g} ({words})" for name, words in columns.items())
+        )
+        near += [
+            f"{words} of {part}"
+            for name, words in columns.items()
+            if 1.0 / SAME_ORDER <= row[name] <= SAME_ORDER
+        ]
+    by = f" that {source} report" if source else ""
+    return (
+        f"As multiples of the {reference:.3g} mm/s{by}: {'; '.join(each)}. Within a factor of "
+        f"{SAME_ORDER:g} of it: {', '.join(near) or 'none'}."
+    )
 
 
 def _part(part: str, parts: pd.DataFrame, effects: pd.DataFrame, column: str) -> str:

@@ -113,6 +113,25 @@ def run_case(
     return result_tables(row, result)
 
 
+def kernels_needed(setup: Mapping, threads: int = 1) -> list[tuple[str, bool]]:
+    """Return the arguments of `abradem.dem.warm.load` for the kernels of a set-up.
+
+    Several threads share a crowd on the plate alone.
+
+    Parameters
+    ----------
+    setup : mapping
+        Plain values of the `Setup`.
+    threads : int
+        Number of threads of a simulation.
+    """
+    on_surface = bool(setup.get("geometry"))
+    needed = [(setup.get("stepping", Setup.stepping), on_surface)]
+    if threads > 1 and not on_surface:
+        needed.append(("parallel", False))
+    return needed
+
+
 def run_batch(
     cases,
     setup: Mapping,
@@ -190,15 +209,13 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping, threads: int) -> di
     import pandas as pd
 
     from abradem.dem import warm
-    from abradem.dem.model import Setup
     from abradem.store.files import write_json
     from abradem.store.tables import write_table
 
     if not row["rejected"]:
         # Otherwise the time of the first case of a job would include half a second of loading.
-        warm.load(setup.get("stepping", Setup.stepping), bool(setup.get("geometry")))
-        if threads > 1 and not setup.get("geometry"):
-            warm.load("parallel")
+        for stepping, on_surface in kernels_needed(setup, threads):
+            warm.load(stepping, on_surface)
     start = time.process_time()
     tables = run_case(row, setup, threads=threads)
     spent = time.process_time() - start

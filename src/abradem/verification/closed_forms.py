@@ -140,6 +140,16 @@ def drum_angle_deg(mu_r: float) -> float:
     return math.degrees(math.atan(mu_r))
 
 
+def drum_power(spin: float, mass: float, gravity: float, lever: float) -> float:
+    """Return the power that keeps a bed in a drum in steady motion, W: omega M g x.
+
+    Gravity acts with the lever ``lever`` (m), the horizontal distance of the centre of mass of the
+    bed from the axis. The torque of the wall balances it, and the wall turns with ``spin`` (rad/s).
+    In steady motion all of this power is dissipated, whatever the law of contact.
+    """
+    return spin * mass * gravity * lever
+
+
 def corner_force(mass: float, slope_deg: float, gravity: float) -> float:
     """Return the normal force of each of two walls of equal slope, N, without friction."""
     return mass * gravity / (2.0 * math.cos(math.radians(slope_deg)))

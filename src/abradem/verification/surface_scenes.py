@@ -99,12 +99,25 @@ def arc(radius: float, begin_deg: float, end_deg: float, segments: int, width: f
     return extruded(corner * np.stack([np.sin(angles), -np.cos(angles)], axis=1), width)
 
 
-def drum(radius: float, segments: int, width: float, spin: float) -> Surface:
-    """Return a cylinder without ends about the z axis that turns with ``spin`` rad/s."""
+def drum(radius: float, segments: int, width: float, spin: float, ends: bool = False) -> Surface:
+    """Return a cylinder about the z axis that turns with ``spin`` rad/s, open or with its ends."""
     angles = np.arange(segments) * 2.0 * np.pi / segments
     corner = radius / np.cos(np.pi / segments)
     profile = corner * np.stack([np.sin(angles), -np.cos(angles)], axis=1)
-    return extruded(profile, width, closed=True)._replace(angular_velocity=np.array([spin]))
+    surface = extruded(profile, width, closed=True)
+    if ends:
+        # The corners alternate between the two ends; a fan about the middle of each closes it.
+        corners = surface.vertices
+        middles = [(0.0, 0.0, -0.5 * width), (0.0, 0.0, 0.5 * width)]
+        fans = [
+            (len(corners) + end, 2 * s + end, 2 * (s + 1) % len(corners) + end)
+            for s in range(segments)
+            for end in (0, 1)
+        ]
+        surface = standing_surface(
+            np.concatenate([corners, middles]), np.concatenate([surface.triangles, fans])
+        )
+    return surface._replace(angular_velocity=np.array([spin]))
 
 
 def belt(length: float, width: float, angle_deg: float, speed: float) -> Surface:

@@ -43,6 +43,9 @@ ONE_STEP = 0.002
 FACETED = 0.02
 """Tolerance of motions on an arc or drum of facets of 2 deg, whose edges make the sphere bounce."""
 
+LEVER_ARM = 2e-3
+"""Tolerance of the torque on a bed: half of the mean overlap over the radius is less."""
+
 
 class WallFilm(Film):
     """Film that also records the normal forces of the contacts with the surface."""
@@ -288,11 +291,92 @@ def drum_checks() -> list[Check]:
     ]  # fmt: skip
 
 
+class BedFilm(Film):
+    """Film that also records the energy balance, see `abradem.dem.energy.energy_balance`."""
+
+    def __init__(self, interval: float):
+        super().__init__(interval)
+        self.energy: list[dict[str, float]] = []
+
+    def record(self, time, problem, state):
+        from abradem.dem.energy import energy_balance
+
+        before = len(self.frames)
+        super().record(time, problem, state)
+        if len(self.frames) > before:
+            self.energy.append(energy_balance(problem, state))
+
+
+def bed_in_drum_checks() -> list[Check]:
+    """Return checks of a bed of particles in a closed drum that turns.
+
+    The torque of the wall about the axis is the rate of the angular momentum of the particles and
+    the torque of gravity on them, whatever they do to each other. So its work follows from their
+    motion alone; in steady motion it is dissipated, see `closed_forms.drum_power`.
+
+    Without rolling friction, whose torque opposes the spin of a particle itself and has no
+    reaction on the wall.
+    """
+    from abradem.dem import simulate
+
+    radius, width, spin = 0.1, 0.05, 3.0
+    scene = Scene(particle=SOFT.particle, radius=0.008).with_interaction(
+        restitution=0.3, static_friction=0.6, rolling_friction=0.0
+    )
+    steps = 2.05 * scene.radius * np.arange(-6, 7)
+    places = np.array(
+        [
+            (x, y, z)
+            for y in steps[steps < 0.1 * radius]
+            for x in steps[np.hypot(steps, y) < radius - 1.05 * scene.radius]
+            for z in steps[np.abs(steps) < 0.5 * width - scene.radius]
+        ]
+    )
+    at_rest = np.zeros(places.shape)
+    setup = scene.setup(
+        surface=drum(radius, 60, width, spin, ends=True), pair_interaction=scene.interaction,
+        removal_depth=REMOVAL_DEPTH, gravity=GRAVITY, time_step=0.8 * SOFT_STEP, duration=4.0,
+        sample_interval=4.0, stepping="synchronous",
+    )  # fmt: skip
+    film = BedFilm(0.005)
+    releases = (np.zeros(len(places)), places, at_rest, at_rest)
+    result = simulate(scene.case(), setup, releases=releases, recorder=film)
+    late = slice(int(np.searchsorted(film.time, 1.0)), None)
+    time = np.array(film.time)[late]
+    at = {
+        name: np.array([frame[name] for frame in film.frames[late]])
+        for name in ("x", "y", "vx", "vy", "vz", "wx", "wy", "wz")
+    }
+    mass, inertia = scene.mass, 0.4 * scene.mass * scene.radius**2
+    about_axis = mass * (at["x"] * at["vy"] - at["y"] * at["vx"]) + inertia * at["wz"]
+    moving = mass * (at["vx"] ** 2 + at["vy"] ** 2 + at["vz"] ** 2) + inertia * (
+        at["wx"] ** 2 + at["wy"] ** 2 + at["wz"] ** 2
+    )
+    mechanical = (0.5 * moving + mass * GRAVITY * at["y"]).sum(axis=1)
+    took = time[-1] - time[0]
+    lever = np.trapezoid(at["x"].mean(axis=1), time) / took
+    power = exact.drum_power(spin, len(places) * mass, GRAVITY, lever)
+    needed = power * took + spin * (about_axis[-1] - about_axis[0]).sum()
+    lost = needed - (mechanical[-1] - mechanical[0])
+    energy = film.energy[late]
+    work, heat = (energy[-1][name] - energy[0][name] for name in ("inserted", "dissipated"))
+    turns = f"{len(places)} particles over {spin * took / (2.0 * math.pi):.2g} revolutions"
+    return [
+        Check("bed in a drum: work of the wall from torque of gravity and angular momentum",
+              work, needed, LEVER_ARM, "J",
+              note=f"{turns}; the lever arm of a contact is R, not R less the overlap"),
+        Check("bed in a drum: dissipated energy, that work less the gain of mechanical energy",
+              heat, lost, LEVER_ARM, "J",
+              note=f"{turns}; omega M g x alone, of a steady bed, is {power * took:.3g} J"),
+        Check("bed in a drum: particles lost", float(result.removed), 0.0, 0.0, kind="absolute"),
+    ]  # fmt: skip
+
+
 def motion_checks() -> list[Check]:
     """Return all checks but those against other codes."""
     return (
         cut_plane_checks() + seam_checks() + edge_checks() + corner_checks() + arc_checks()
-        + belt_checks() + drum_checks()
+        + belt_checks() + drum_checks() + bed_in_drum_checks()
     )  # fmt: skip
 
 

@@ -86,13 +86,17 @@ class WearTarget(NamedTuple):
         if not self.known:
             return OF_THE_TABLE
         if self.cells:
-            place = _OF_CELLS[self.statistic]
             if self.part is None:
-                return place
-            return f"{place.removesuffix(' over the surface')} of the part {self.part}"
+                return _OF_CELLS[self.statistic]
+            return f"{self.of_cells} of the part {self.part}"
         if self.element_size is None or not self.has_elements:
             return STATISTIC_WORDS[self.statistic]
         return _OF_ELEMENTS[self.statistic].format(size=f"{1e3 * self.element_size:g} mm")
+
+    @property
+    def of_cells(self) -> str:
+        """The statistic over the cells of a part, such as "99th percentile of the cells"."""
+        return _OF_CELLS[self.statistic].removesuffix(" over the surface")
 
     @property
     def words(self) -> str:

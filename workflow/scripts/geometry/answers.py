@@ -13,5 +13,8 @@ from abradem.wear.part_effects import part_effects
 parts, cases = read_table(snakemake.input.parts), read_table(snakemake.input.cases)
 effects = part_effects(parts, cases, snakemake.params.column)
 write_table(effects, snakemake.output.table, PART_EFFECTS)
-page = parts_page(snakemake.params.study, parts, effects, cases, snakemake.params.column)
+params = snakemake.params
+page = parts_page(
+    params.study, parts, effects, cases, params.column, params.reference, params.source
+)
 write_text(page, snakemake.output.page)
