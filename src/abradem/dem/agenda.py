@@ -25,9 +25,6 @@ CROWD, THIN = 0.28, 0.2
 """Shares of the particles that touch something, above which `synchronous` takes over and up to
 which it hands back. What is faster changes between these shares, see docs/notes/performance.md."""
 
-SOONER = 1.5
-"""Power of the number of threads with which these shares fall."""
-
 SLACK = 0.1
 """Distance by which a particle may leave its cell, in radii."""
 
@@ -143,7 +140,7 @@ class Agenda(NamedTuple):
 def make_agenda(problem: Problem, capacity: int, threads: int = 1) -> Agenda:
     """Return an empty agenda with room for ``capacity`` particles.
 
-    The more threads there are, the sooner they take over from `islands`.
+    Threads take over from `islands` where the stepping by one thread does.
     """
     agenda = Agenda(
         clock=np.zeros(1, CLOCK),
@@ -161,8 +158,8 @@ def make_agenda(problem: Problem, capacity: int, threads: int = 1) -> Agenda:
     width = 2.0 * problem.radius * (1.0 + SAFETY) + 2.0 * slack
     agenda.clock["slack"], agenda.clock["width"] = slack, width
     agenda.clock["height"] = width * (FEW_TALL if capacity <= FEW else 1.0)
-    agenda.clock["crowd"] = CROWD / threads**SOONER
-    agenda.clock["thin"] = THIN / threads**SOONER
+    agenda.clock["crowd"] = CROWD
+    agenda.clock["thin"] = THIN
     agenda.clock["threads"] = threads
     return agenda
 
