@@ -9,12 +9,17 @@ import pytest
 PATIENCE = 600
 """Longest time, s, to wait for the browser."""
 
-ROOMS = {"desktop": (1366, 768), "phone": (390, 844)}
+ROOMS = {
+    "desktop": (1366, 768), "wide": (1920, 1080), "large": (2560, 1440), "phone": (390, 844),
+}  # fmt: skip
 
 
 @contextlib.contextmanager
-def opened(page):
-    """A driver that shows the page, with its log of requests; skips where there is no browser."""
+def opened(page, ready=None):
+    """A driver that shows the page, with its log of requests; skips where there is no browser.
+
+    ``ready`` waits until a page is drawn that does not say so itself, see `settle`.
+    """
     driver_path = shutil.which("chromedriver")
     if driver_path is None:
         pytest.skip("no chromedriver is installed")
@@ -46,7 +51,7 @@ def opened(page):
         driver.set_page_load_timeout(PATIENCE)
         show(driver, "desktop")
         driver.get(page.as_uri())
-        settle(driver)
+        (ready or settle)(driver)
         yield driver
     finally:
         if driver is not None:
@@ -64,11 +69,16 @@ def show(driver, room):
 
 def settle(driver):
     """Wait until all that was changed is drawn."""
+    wait_for(driver, "return document.body.dataset.state === 'drawn'")
+
+
+def wait_for(driver, script):
+    """Wait until a script returns true."""
     for _ in range(10 * PATIENCE):
-        if driver.execute_script("return document.body.dataset.state") == "drawn":
+        if driver.execute_script(script):
             return
         time.sleep(0.1)
-    raise AssertionError("the page does not draw what was changed")
+    raise AssertionError(f"the page does not draw what was changed: not {script}")
 
 
 def log(driver, kind):

@@ -1,5 +1,12 @@
 """Sweeps: all combinations in order, the rates of the engine or of a surrogate, the picture."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -172,6 +179,34 @@ def test_rows_without_a_rate_are_kept_as_they_are(tmp_path):
     found = KeptRows(path).find("a")
     assert np.isnan(found.pop("wear_total_mean"))
     assert found == {name: row[name] for name in found} and KeptRows(path).find("b") is None
+
+
+KILLED = """
+import os, time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from abradem.cases.sweep import _end_with_parent
+
+if __name__ == "__main__":
+    pool = ProcessPoolExecutor(1, get_context("spawn"), initializer=_end_with_parent)
+    print(pool.submit(os.getpid).result(), flush=True)
+    time.sleep(600)
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="no /proc")
+def test_no_process_of_a_killed_sweep_stays(tmp_path):
+    script = tmp_path / "killed.py"
+    script.write_text(KILLED)
+    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as sweep:
+        worker = int(sweep.stdout.readline())
+        sweep.kill()
+    for _ in range(600):
+        if not Path(f"/proc/{worker}").exists():
+            return
+        time.sleep(0.1)
+    os.kill(worker, signal.SIGKILL)
+    raise AssertionError(f"process {worker} lives without its sweep")
 
 
 def test_a_surrogate_answers_all_cases(tmp_path, cases):

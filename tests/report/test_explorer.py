@@ -283,6 +283,12 @@ def test_the_page_fits_the_screen(browser, room, tmp_path):
     settle(browser)
     width, _ = ROOMS[room]
     assert browser.execute_script("return document.documentElement.scrollWidth") <= width
+    # The rates and hours of all places are seen without a scroll bar.
+    table, room_for_it = browser.execute_script(
+        "const one = document.getElementById('rates').parentElement;"
+        "return [one.scrollWidth, one.clientWidth]"
+    )
+    assert table <= room_for_it
     browser.save_screenshot(str(tmp_path / "page.png"))
     picture = imread(tmp_path / "page.png")
     assert picture.shape[1] == width and np.ptp(picture[:, :, 0]) > 0.5

@@ -18,6 +18,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 import yaml
+from browser import ROOMS, opened, show, wait_for
 from latex_checks import assert_agree, at_source, is_number, macros, rows
 from loaded_snakemake import loaded_snakemake
 from tables import product_law
@@ -303,6 +304,28 @@ def test_the_report_holds_all_and_needs_no_network(project):
     assert "central share of the repeated splits" in html
     assert not re.search(r'<(script|link|img)[^>]+(src|href)="https?:', html)
     assert project.pending() == {}
+    assert_first_screen_shows_the_result(report)
+
+
+def assert_first_screen_shows_the_result(report):
+    """Title, models, what failed and the run time are seen at once; the top can be reached."""
+    there = "return document.querySelector('.overview + p') !== null"
+    places = (
+        "const places = (word) => {const {top, bottom, right} ="
+        " document.querySelector(word).getBoundingClientRect(); return [top, bottom, right]};"
+        "return ['.overview h1', '.overview .models', '.overview .failed', '.overview + p']"
+        ".map(places).concat([[document.documentElement.scrollWidth, 0, 0]])"
+    )
+    with opened(report, lambda driver: wait_for(driver, there)) as driver:
+        for name in ("desktop", "wide", "large", "phone"):
+            width, height = ROOMS[name]
+            show(driver, name)
+            *seen, (needed, _, _) = driver.execute_script(places)
+            assert needed <= width and all(right <= width for _, _, right in seen)
+            assert seen[0][0] >= 0.0
+            if name != "phone":
+                assert all(bottom <= height for _, bottom, _ in seen)
+        assert driver.find_element("css selector", ".overview + p").text.startswith("Run time: ")
 
 
 def test_every_figure_of_the_list_is_there_in_every_format(project):

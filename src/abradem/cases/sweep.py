@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from typing import Any
 
 import pandas as pd
@@ -120,7 +122,8 @@ def _results(jobs: Sequence[tuple], cores: int) -> Iterator[tuple[int, dict]]:
         yield from enumerate(itertools.starmap(_rates, jobs))
         return
     # A new interpreter: a copy of this one could hold a lock of a thread.
-    with ProcessPoolExecutor(min(cores, len(jobs)), get_context("spawn")) as pool:
+    processes, kind = min(cores, len(jobs)), get_context("spawn")
+    with ProcessPoolExecutor(processes, kind, initializer=_end_with_parent) as pool:
         places = {pool.submit(_rates, *job): place for place, job in enumerate(jobs)}
         try:
             for done in as_completed(places):
@@ -129,6 +132,19 @@ def _results(jobs: Sequence[tuple], cores: int) -> Iterator[tuple[int, dict]]:
             # Cases that wait would be simulated before the error is seen.
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def _end_with_parent() -> None:
+    """End this process when its parent is killed: otherwise it would wait for work for ever."""
+    parent = parent_process()
+    if parent is None:
+        return
+
+    def wait() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
 
 
 def _rates(row: Mapping, setup: Mapping, options: Mapping) -> dict:

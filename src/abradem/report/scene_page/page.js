@@ -18,6 +18,8 @@
     "along x": { x: -1.65, y: 0.05, z: 0.01 },
     "from above": { x: 0, y: 1.65, z: 0.01 },
   };
+  // Room for the colour bar, px.
+  const BELOW = 74;
   const state = { frame: 0, playing: false, view: "oblique" };
 
   const KINDS = { f4: Float32Array, f8: Float64Array };
@@ -194,21 +196,22 @@
     range: ranges[place], autorange: false, title: { text }, showspikes: false, nticks: 5,
     gridcolor: "#dddddd", zeroline: false, showbackground: false,
   });
-  // On a narrow screen from further away, so that the axes are seen.
+  // From so far away that the titles of the axes are seen; of a narrow screen the width decides.
   function eye() {
-    const away = at("view").clientWidth < 600 ? 1.3 : 1.25;
+    const { clientWidth: width, clientHeight: height } = at("view");
+    const away = 1.45 * Math.max(1, 1.1 * (height - BELOW) / width);
     return Object.fromEntries(Object.entries(VIEWS[state.view]).map(([name, one]) => [name, one * away]));
   }
   function layout() {
     return {
-      margin: { l: 0, r: 0, t: 0, b: 74 }, font: FONT, paper_bgcolor: "#ffffff", showlegend: false,
+      margin: { l: 0, r: 0, t: 0, b: BELOW }, font: FONT, paper_bgcolor: "#ffffff", showlegend: false,
       uirevision: state.view,
       scene: {
         uirevision: state.view, dragmode: "orbit",
         xaxis: axis(0, "x (mm)"), yaxis: axis(1, "height (mm)"), zaxis: axis(2, "z (mm)"),
         aspectmode: "manual",
         aspectratio: { x: spans[0] / unitLength, y: spans[1] / unitLength, z: spans[2] / unitLength },
-        camera: { up: UP, eye: eye(), center: { x: 0, y: -0.1, z: 0 } },
+        camera: { up: UP, eye: eye(), center: { x: 0, y: -0.12, z: 0 } },
       },
     };
   }
