@@ -164,10 +164,10 @@ def test_faulty_triangles_are_told_and_left_out_on_demand(tmp_path):
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\n"
     (tmp_path / "flat.obj").write_text(f"{corners}f 1 2 3\nf 1 2 4\n")
     (tmp_path / "twice.obj").write_text(f"{corners}f 1 2 3\nf 3 1 2\n")
-    assert "has 1 triangles without area, the first is number 2" in message(
+    assert "has 1 triangle without area, the first is number 2" in message(
         tmp_path / "flat.obj", "m"
     )
-    assert "has 1 triangles that are in it twice" in message(tmp_path / "twice.obj", "m")
+    assert "has 1 triangle that is in it twice" in message(tmp_path / "twice.obj", "m")
     for name in ("flat", "twice"):
         assert len(read_mesh(tmp_path / f"{name}.obj", "m", repair=True).triangles) == 1
 

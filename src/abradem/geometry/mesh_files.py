@@ -195,13 +195,16 @@ def _check_extent(path: Path, extent: float, unit: str) -> None:
 def _clean(path: Path, shape: Shape, repair: bool) -> Shape:
     if degenerate(shape).all():
         raise GeometryError(f"{path}: no triangle has an area (allowed: at least one)")
-    for name, find in (("without area", degenerate), ("that are in it twice", given_twice)):
+    for one, several, find in (
+        ("triangle without area", "triangles without area", degenerate),
+        ("triangle that is in it twice", "triangles that are in it twice", given_twice),
+    ):
         wrong = find(shape)
         if wrong.any() and not repair:
+            count, first = wrong.sum(), np.flatnonzero(wrong)[0] + 1
             raise GeometryError(
-                f"{path}: has {wrong.sum()} triangles {name}, the first is number "
-                f"{np.flatnonzero(wrong)[0] + 1} (allowed: none, or repair: true, which leaves "
-                "them out)"
+                f"{path}: has {count} {one if count == 1 else several}, the first is number {first} "
+                "(allowed: none, or geometry.mesh.repair: true, which leaves them out)"
             )
         shape = selected(shape, ~wrong)
     return shape
