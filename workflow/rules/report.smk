@@ -193,7 +193,10 @@ rule model_card:
             f"{RESULTS}/models/model_card.html",
             caption="../report/model_card.rst",
             category="Models",
-            labels={"file": "model_card.html", "content": "model card of the surrogate"},
+            labels={
+                "file": "model_card.html",
+                "content": "model card of the surrogate",
+            },
         ),
     log:
         f"{LOGS}/model_card.log",

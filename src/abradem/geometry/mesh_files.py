@@ -203,8 +203,8 @@ def _clean(path: Path, shape: Shape, repair: bool) -> Shape:
         if wrong.any() and not repair:
             count, first = wrong.sum(), np.flatnonzero(wrong)[0] + 1
             raise GeometryError(
-                f"{path}: has {count} {one if count == 1 else several}, the first is number {first} "
-                "(allowed: none, or geometry.mesh.repair: true, which leaves them out)"
+                f"{path}: has {count} {one if count == 1 else several}, the first is number "
+                f"{first} (allowed: none, or geometry.mesh.repair: true, which leaves them out)"
             )
         shape = selected(shape, ~wrong)
     return shape
