@@ -1,11 +1,20 @@
-"""Coverage of the prediction intervals over training sets: on average, and how much it varies.
+"""Prediction intervals and R2 over training sets: on average, and how much they vary.
 
     snakemake coverage --configfile config.yaml studies/fresh_cases.yaml
     python benchmarks/fresh_sets.py config.yaml studies/fresh_cases.yaml
+    python benchmarks/fresh_sets.py config.yaml studies/dilute.yaml studies/tenfold.yaml \
+        --trained 200 800 --divisions 4 --targets wear_total_mean
 
 A study and its fresh cases are one division of the same cases. Here they are divided at random,
-again and again, into as many to learn from and as many to test; the Gaussian process and its
-conformal intervals, without the distillation, are fitted to the former.
+again and again, into cases to learn from (as many as the study has, or as ``--trained`` says) and
+200 of the others; the Gaussian process and its conformal intervals, without the distillation, are
+fitted to the former. As for fresh cases of a study, the shares of the latter inside their intervals
+are compared with the binomial band of each region.
+
+Not all shares of faultless intervals are in their band. The quantile of an interval rests on as
+many held-out errors as there are cases to learn from, so that its true level scatters (Vovk 2012,
+JMLR W&CP 25:475), and the binomial band knows of the scatter of the new cases alone. How many
+shares would be in their band is therefore drawn for scores that depend on nothing.
 """
 
 from __future__ import annotations
@@ -17,51 +26,111 @@ import numpy as np
 import pandas as pd
 
 from abradem.config import read_config, setup_dict
-from abradem.learning.physical.intervals import REPORTED, conformal_of, hold_out_in_turn
+from abradem.learning.physical.intervals import (
+    REPORTED,
+    conformal_of,
+    coverage_by_region,
+    hold_out_in_turn,
+)
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import WearProblem, problem
+from abradem.learning.regions import regions_of
+from abradem.learning.scores import r2
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
+from abradem.surrogate.model import conformal_quantile
+
+TESTED = 200
+DRAWS = 200
 
 
-def shares_inside(given: WearProblem, train: np.ndarray, test: np.ndarray, folds: int, seed: int):
-    """Share of the test rows inside the intervals of each reported level."""
+def one_division(given: WearProblem, train: np.ndarray, test: np.ndarray, folds: int, seed: int):
+    """What a training set gives on the test rows.
+
+    Returns
+    -------
+    inside : list of float
+        Share of the test rows inside the intervals of each level of `REPORTED`.
+    in_band, shares : int
+        Shares by region that are in their binomial band, and the number of them.
+    scores : list of float
+        R2 of the wear and of the logarithm of the wear number.
+    """
     process = fitted(makers(seed)[PROCESS], given, train)
     mean, deviation = process.predict_with_deviation(given.groups[test])
     intervals = conformal_of(given, train, hold_out_in_turn(given, train, folds, seed))
     away = np.abs(given.log_number[test] - mean) / deviation
-    return [np.mean(away <= intervals.half(given.groups[test], level)) for level in REPORTED]
+    inside = {level: away <= intervals.half(given.groups[test], level) for level in REPORTED}
+    table = coverage_by_region(inside, given.inputs[test], regions_of(given.inputs[train]))
+    scores = [
+        r2(given.table.target[test], given.wear(test, mean)),
+        r2(given.log_number[test], mean),
+    ]
+    shares = [float(inside[level].mean()) for level in REPORTED]
+    return shares, int(table["in_band"].sum()), len(table), scores
+
+
+def faultless(given: WearProblem, trained: int, seed: int) -> float:
+    """Mean number of shares in their band if no score depended on anything."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for _ in range(DRAWS):
+        test = rng.permutation(len(given.inputs))[:TESTED]
+        known, new = np.sort(rng.random(trained)), rng.random(len(test))
+        inside = {level: new <= conformal_quantile(known, level) for level in REPORTED}
+        table = coverage_by_region(inside, given.inputs[test], regions_of(given.inputs))
+        found.append(int(table["in_band"].sum()))
+    return float(np.mean(found))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("files", nargs="+", help="configuration of a study with fresh cases")
+    parser.add_argument("files", nargs="+", help="configuration of a study")
     parser.add_argument("--divisions", type=int, default=12)
+    parser.add_argument("--trained", type=int, nargs="+", help="numbers of cases to learn from")
     parser.add_argument("--targets", nargs="+", default=["wear_friction_p99", "wear_friction_mean"])
     asked = parser.parse_args()
     config = read_config(*asked.files)
     folder = Path("results", config.study)
-    tables = [read_table(folder / part / "dataset.parquet") for part in ("", "fresh")]
-    trained = len(tables[0])
+    paths = [folder / part / "dataset.parquet" for part in ("", "fresh")]
+    tables = [read_table(path) for path in paths if path.is_file()]
+    rows = pd.concat(tables, ignore_index=True)
+    sizes = asked.trained or [len(tables[0])]
+    if max(sizes) + TESTED > len(rows):
+        parser.error(f"--trained {max(sizes)}: {len(rows)} cases leave fewer than {TESTED} to test")
+    folds = config.learning.physical.interval_folds
     for target in asked.targets:
-        given = problem(pd.concat(tables, ignore_index=True), jet_of(setup_dict(config)), target)
-        found = []
-        for division in range(asked.divisions):
-            rows = np.random.default_rng(division).permutation(len(given.log_number))
-            found.append(
-                shares_inside(
-                    given, np.sort(rows[:trained]), np.sort(rows[trained:]),
-                    config.learning.physical.interval_folds, config.seed,
-                )
-            )  # fmt: skip
-        for place, level in enumerate(REPORTED):
-            share = 100.0 * np.array(found)[:, place]
+        given = problem(rows, jet_of(setup_dict(config)), target)
+        for size in sizes:
+            inside, in_band, shares, scores = [], [], 0, []
+            for division in range(asked.divisions):
+                order = np.random.default_rng(division).permutation(len(rows))
+                train, test = np.sort(order[TESTED:][:size]), np.sort(order[:TESTED])
+                found = one_division(given, train, test, folds, config.seed)
+                inside.append(found[0])
+                in_band.append(found[1])
+                shares = found[2]
+                scores.append(found[3])
             print(
-                f"{target}, {100 * level:g} %: {share.mean():.1f} % of the test cases inside, "
-                f"{share.min():.1f} to {share.max():.1f} over {asked.divisions} divisions"
+                f"{target}, {size} cases to learn from, {asked.divisions} divisions: "
+                f"{np.mean(in_band):.1f} of {shares} shares by region in their band "
+                f"({min(in_band)} to {max(in_band)}; faultless intervals "
+                f"{faultless(given, size, config.seed):.1f})"
             )
+            share = 100.0 * np.array(inside)
+            for place, level in enumerate(REPORTED):
+                one = share[:, place]
+                print(
+                    f"  {100 * level:g} %: {one.mean():.1f} % of the test cases inside, "
+                    f"{one.min():.1f} to {one.max():.1f}"
+                )
+            for words, of in zip(
+                ("the wear", "ln(wear number)"), np.transpose(scores), strict=True
+            ):
+                ends = f"{of.min():.4f} to {of.max():.4f}"
+                print(f"  R2 of {words}: median {np.median(of):.4f}, {ends}", flush=True)
 
 
 if __name__ == "__main__":

@@ -129,6 +129,17 @@ def test_folds_and_the_first_split_are_drawn_independently():
     assert same == 0
 
 
+def test_folds_do_not_deal_out_the_rows_of_the_first_split():
+    """One stream for both would deal the rows held out first evenly over the folds."""
+    even = 0
+    for seed in range(40):
+        _, test = next(repeated_splits(np.arange(100), np.arange(100), 0.2, 1, seed))
+        shares = [len(np.intersect1d(test, check)) for _, check in folds(np.arange(100), 5, seed)]
+        even += shares == [4] * 5
+    # By chance, in 5 of 1000 seeds.
+    assert even <= 3
+
+
 def test_rows_for_validation_of_a_search_repeat_none_of_those_for_fitting():
     table = learning_table(written_twice(no_law(40), 1e-4))
     train, test = next(repeated_splits(table.keys, table.groups, 0.2, 1, 1))

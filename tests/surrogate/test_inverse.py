@@ -85,6 +85,15 @@ def test_least_and_greatest_wear_over_a_range(flat):
     assert rates == pytest.approx([math.exp(-1.0), math.exp(1.0)], rel=1e-4)
 
 
+def test_a_quantity_without_effect_has_neither_all_values_as_roots_nor_none(flat):
+    """No group holds the density of the plate; asked for the very rate, each value gives it."""
+    surrogate = waves(flat)
+    rate = float(surrogate.predict(CASE).rate[0])
+    for wanted in (rate, 2.0 * rate):
+        with pytest.raises(PredictionError, match="equipment_density has no effect on the pred"):
+            solve(surrogate, CASE, "equipment_density", wanted)
+
+
 def test_a_quantity_that_was_held_fixed_is_not_sought(flat):
     surrogate = Surrogate.load(flat)
     surrogate.ranges["restitution"] = (0.5, 0.5)

@@ -24,6 +24,10 @@ POINTS = 4001
 NARROWED = 101
 """Number of values by which a division with a change of sign is divided again, twice."""
 
+NO_EFFECT = 1e-9
+"""Relative difference of the rates over a range up to which a quantity has no effect: rounding
+alone would make every value of the grid a root, or none."""
+
 CLOSED_FORM = "archard_constant"
 
 UNIT_CONSTANT = 1e-9
@@ -117,7 +121,7 @@ def solve(
     Raises
     ------
     PredictionError
-        If the values or the range are invalid.
+        If the values or the range are invalid, or the prediction does not depend on the quantity.
     """
     if name == CLOSED_FORM:
         found = surrogate.predict({**values, name: UNIT_CONSTANT}, confidence, target)
@@ -128,6 +132,12 @@ def solve(
     low, high = range_of(surrogate, name, ends)
     grid = np.linspace(low, high, POINTS)
     found = surrogate.predict({**values, name: grid}, confidence, target)
+    if found.rate.max() - found.rate.min() <= NO_EFFECT * found.rate.max():
+        unit = "" if quantity(name).unit == "1" else f" {quantity(name).unit}"
+        raise PredictionError(
+            f"{name} has no effect on the prediction: the wear depth rate is "
+            f"{found.rate[0]:.4g} mm/s over all of {low:g} ... {high:g}{unit}"
+        )
     roots = [
         _narrowed(surrogate, values, name, rate, target, (grid[at], grid[at + 1]))
         for at in _changes(found.rate - rate)

@@ -497,6 +497,22 @@ def test_a_network_on_a_further_split_learns_nothing_from_its_test_rows():
     assert not np.array_equal(before["actual"], after["actual"])
 
 
+def test_a_network_on_a_further_split_learns_from_its_own_training_rows():
+    table = learning_table(linear_law(60, 0.2))
+    quick = {**OPTIONS, "options": SMALL._replace(generations=1, population=2), "retrainings": 1}
+    with (
+        mock.patch.object(ga_ann, "NETWORK", (6, 5)),
+        mock.patch.object(genetic, "train_each", wraps=genetic.train_each) as trained,
+    ):
+        fit_networks(table, "leakage_free", **{**quick, "repeats": 3})
+    (_, lessons, *_), _ = trained.call_args
+    splits = list(repeated_splits(table.keys, table.groups, 0.2, 3, 1))
+    # The network found, and that of the paper, on the second and third split.
+    for lesson, number in zip(lessons, (1, 2, 1, 2), strict=True):
+        rows = table.target[splits[number][0]]
+        np.testing.assert_allclose(lesson.y, (rows - rows.mean()) / rows.std(), rtol=1e-6)
+
+
 def test_networks_trained_each_on_its_own_rows_are_those_trained_alone():
     rng = np.random.default_rng(4)
     lessons = [

@@ -11,7 +11,9 @@ from tables import product_law
 import abradem
 from abradem.cli.main import main
 from abradem.learning.model_files import write_model
+from abradem.learning.physical import local_wear as local_wear_module
 from abradem.learning.physical.distil import Settings
+from abradem.learning.physical.intervals import conformal_of
 from abradem.learning.physical.local_wear import (
     SCALING,
     local_targets,
@@ -23,6 +25,7 @@ from abradem.quantities import SAMPLED, SAMPLED_NAMES
 from abradem.store.files import read_arrays, read_json
 from abradem.surrogate.groups import Jet
 from abradem.surrogate.model import PredictionError, Surrogate
+from abradem.surrogate.parts import local_prefix
 
 JET = Jet(0.25, 9.81, 4.0, None, 0.09, 0.01)
 SETTINGS = Settings(points=3000, hidden=(32, 32), epochs=12)
@@ -91,6 +94,31 @@ def test_each_place_has_intervals_that_hold(dataset, stem):
             inside = (one.lower <= dataset[name]) & (dataset[name] <= one.upper)
             # Training rows: at least the nominal level, apart from the networks' own error.
             assert inside.mean() > 0.7 and one.confidence == 0.8
+
+
+def test_the_error_scale_of_a_place_is_in_its_deviation(dataset, monkeypatch):
+    """Three times the scale is three times the width of what the networks learn."""
+    only = dataset[[name for name in dataset if name not in ("wear_total_p99", "wear_total_max")]]
+
+    def learned():
+        found = local_wear(only, JET, TARGET, settings=SETTINGS, fold_count=2, seed=1)
+        prefix = local_prefix("wear_total_footprint")
+        names = sorted(name for name in found.arrays if name.startswith(f"{prefix}spread_biases"))
+        return found.arrays[names[-1]], found.arrays[f"{prefix}conformal"]
+
+    plain, scores = learned()
+
+    def wider(given, rows, held):
+        found = conformal_of(given, rows, held)
+        return found._replace(
+            scale=found.scale._replace(constant=found.scale.constant + np.log(3.0))
+        )
+
+    monkeypatch.setattr(local_wear_module, "conformal_of", wider)
+    wide, same = learned()
+    # The networks learn a standardised deviation: a factor moves the last bias alone.
+    np.testing.assert_allclose(wide - plain, np.log(3.0), rtol=1e-4)
+    np.testing.assert_array_equal(scores, same)
 
 
 def test_groups_that_are_scaled_otherwise_are_refused(found):
