@@ -19,11 +19,12 @@ from abradem.geometry.build import factory_of, geometry_described
 from abradem.geometry.kinds import Geometry, Plates, Screw
 from abradem.geometry.shape import GeometryError
 
-PASSING, STIRRED = 0.8, 3.3
+PASSING, STIRRED = 0.29, 3.3
 """Cost of a particle that is present for a step, in that of a step in contact with the plate: where
-particles pass, and where a part turns. The first is from six cases of the studies of chutes, the
-second from a full screw, in which 467 particles took 10 s for a simulated second.
-``python benchmarks/order.py results/<study>`` compares the estimate with a finished study."""
+particles pass, and where a part turns. The first is between those of the studies two_plates (0.44,
+as bounces hold particles up) and curved_chute (0.19), the second from a full screw, in which 467
+particles took 10 s for a simulated second. ``python benchmarks/order.py results/<study>`` compares
+the estimate with a finished study."""
 
 
 def presence(cases: pd.DataFrame, setup: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:

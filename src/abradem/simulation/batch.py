@@ -10,6 +10,7 @@ saved case that is damaged is simulated again.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
@@ -216,6 +217,10 @@ def _simulated(row: Mapping, setup: Mapping, paths: Mapping, threads: int) -> di
         # Otherwise the time of the first case of a job would include half a second of loading.
         for stepping, on_surface in kernels_needed(setup, threads):
             warm.load(stepping, on_surface)
+        if mesh_file(setup.get("geometry")):
+            # So would the library that reads the file. What is wrong with it is told below.
+            with contextlib.suppress(ValueError):
+                prepared(Setup.from_dict(setup), row)
     start = time.process_time()
     tables = run_case(row, setup, threads=threads)
     spent = time.process_time() - start
