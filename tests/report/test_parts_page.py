@@ -41,6 +41,15 @@ def test_no_effect_is_stated_where_nothing_varied_or_none_is_clear():
     assert "No quantity that varied decides it alone" in page(upper, CASES)
 
 
+def test_what_chance_gives_in_few_cases_is_no_effect():
+    """Four values in order are one of 24 orders, and as likely reversed; five are one of 120."""
+    for count, stated in ((4, False), (5, True)):
+        rows = PARTS[PARTS["case_id"] < count]
+        text = page(rows, CASES.iloc[:count])
+        assert ("It falls with angle of plate 2" in text) == stated
+        assert ("no more than chance gives in 4 cases" in text) != stated
+
+
 def test_without_rates_the_page_says_so():
     assert "No case gave a wear rate." in page(PARTS.iloc[:0], CASES)
 

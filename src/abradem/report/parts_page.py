@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 
 from abradem.quantities import wear_column
@@ -11,7 +12,11 @@ from abradem.words.labels import LABELS
 from abradem.words.wear import WearTarget
 
 CLEAR = 0.6
-"""Rank correlation from which an effect is stated."""
+"""Rank correlation from which an effect is stated, where it is also more than chance gives."""
+
+CHANCE = 1.96
+"""Rank correlations of n cases without an effect are within this times 1 / sqrt(n - 1) in 95 of 100
+studies (Spearman 1904; normal approximation)."""
 
 SAME_ORDER = 10.0
 """Factor within which two rates are of the same order of magnitude."""
@@ -69,13 +74,22 @@ def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, col
         f"{_count(parts['case_id'].nunique())} ({WearTarget(column).of_part})"
         f"{'; ' if rest else ''}{rest}."
     )
-    clear = effects[effects["rank_correlation"].abs() >= CLEAR]
-    of_worst = clear[clear["part_name"] == worst]
+    of_worst = _clear(effects, worst)
     if len(of_worst):
         return f"{text} {_effect_words(of_worst.iloc[0])}"
     if varied_quantities(cases):
-        text += f" No quantity that varied decides it alone (rank correlations below {CLEAR:g})."
+        count = int((parts["part_name"] == worst).sum())
+        text += (
+            f" No quantity that varied decides it alone (rank correlations below {CLEAR:g}, or no "
+            f"more than chance gives in {_count(count)})."
+        )
     return text
+
+
+def _clear(effects: pd.DataFrame, part: str) -> pd.DataFrame:
+    """Return the effects on a part that are stated."""
+    least = np.maximum(CLEAR, CHANCE / np.sqrt(effects["cases"] - 1.0))
+    return effects[(effects["part_name"] == part) & (effects["rank_correlation"].abs() >= least)]
 
 
 def _beside(parts: pd.DataFrame, column: str, reference: float, source: str | None) -> str:
@@ -116,8 +130,7 @@ def _part(part: str, parts: pd.DataFrame, effects: pd.DataFrame, column: str) ->
         f"{_count(len(rate))}"
     )
     text += f", from {rate.min():.3g} to {rate.max():.3g} mm/s." if len(rate) > 1 else "."
-    found = effects[(effects["part_name"] == part) & (effects["rank_correlation"].abs() >= CLEAR)]
-    return " ".join([text, *(_effect_words(row) for _, row in found.iterrows())])
+    return " ".join([text, *(_effect_words(row) for _, row in _clear(effects, part).iterrows())])
 
 
 def _effect_words(row: pd.Series) -> str:
