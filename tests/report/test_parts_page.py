@@ -41,6 +41,16 @@ def test_no_effect_is_stated_where_nothing_varied_or_none_is_clear():
     assert "No quantity that varied decides it alone" in page(upper, CASES)
 
 
+def test_the_answer_is_on_the_part_that_the_study_explains():
+    effects = part_effects(PARTS, CASES, COLUMN)
+    text = parts_page("one", PARTS, effects, CASES, COLUMN, asked="lower")
+    assert "; upper 1.04 mm/s. Of lower: It falls with angle of plate 2" in text
+    rising = PARTS.assign(**{COLUMN: PARTS[COLUMN].where(PARTS["part_name"] == "lower", 9.0)})
+    effects = part_effects(rising, CASES, COLUMN)
+    text = parts_page("one", rising, effects, CASES, COLUMN, asked="lower")
+    assert "upper wears most" in text and "Of lower: It falls with angle of plate 2" in text
+
+
 def test_what_chance_gives_in_few_cases_is_no_effect():
     """Four values in order are one of 24 orders, and as likely reversed; five are one of 120."""
     for count, stated in ((4, False), (5, True)):

@@ -92,6 +92,7 @@ rule part_effects:
         column=TARGET["name"],
         reference=CONFIG.wear_rate.reference_mm_s,
         source=CONFIG.wear_rate.reference_source,
+        part=CONFIG.learning.part,
         code=code_of("geometry/answers"),
     script:
         "../scripts/geometry/answers.py"

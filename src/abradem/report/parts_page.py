@@ -30,6 +30,7 @@ def parts_page(
     column: str,
     reference: float | None = None,
     source: str | None = None,
+    asked: str | None = None,
 ) -> str:
     """Return the page: what decides the wear of each part, and how much each part wears.
 
@@ -48,8 +49,11 @@ def parts_page(
         Rate from elsewhere, mm/s, that the rates of the parts are put beside.
     source : str, optional
         Who states it.
+    asked : str, optional
+        Part that the study explains; without it the effects on the part that wears most are the
+        answer.
     """
-    answer = _answer(parts, effects, cases, column)
+    answer = _answer(parts, effects, cases, column, asked)
     if reference is not None and len(parts):
         answer += f" {_beside(parts, column, reference, source)}"
     paragraphs = [("Answer", answer)]
@@ -60,8 +64,14 @@ def parts_page(
     return to_html(f"Wear of the parts in study {study}", paragraphs)
 
 
-def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, column: str) -> str:
-    """Return one sentence on the rates of the parts, and what spares the one that wears most."""
+def _answer(
+    parts: pd.DataFrame,
+    effects: pd.DataFrame,
+    cases: pd.DataFrame,
+    column: str,
+    asked: str | None,
+) -> str:
+    """Return one sentence on the rates of the parts, and what spares a part."""
     if parts.empty:
         return "No case gave a wear rate."
     means = parts.groupby("part_name", sort=False)[column].mean()
@@ -74,6 +84,10 @@ def _answer(parts: pd.DataFrame, effects: pd.DataFrame, cases: pd.DataFrame, col
         f"{_count(parts['case_id'].nunique())} ({WearTarget(column).of_part})"
         f"{'; ' if rest else ''}{rest}."
     )
+    if asked is not None and len(of_asked := _clear(effects, asked)):
+        return " ".join(
+            [text, f"Of {asked}:", *(_effect_words(row) for _, row in of_asked.iterrows())]
+        )
     of_worst = _clear(effects, worst)
     if len(of_worst):
         return f"{text} {_effect_words(of_worst.iloc[0])}"

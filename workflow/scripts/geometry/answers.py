@@ -15,6 +15,7 @@ effects = part_effects(parts, cases, snakemake.params.column)
 write_table(effects, snakemake.output.table, PART_EFFECTS)
 params = snakemake.params
 page = parts_page(
-    params.study, parts, effects, cases, params.column, params.reference, params.source
-)
+    params.study, parts, effects, cases, params.column, params.reference, params.source,
+    params.part,
+)  # fmt: skip
 write_text(page, snakemake.output.page)
