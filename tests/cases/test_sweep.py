@@ -1,17 +1,14 @@
 """Sweeps: all combinations in order, the rates of the engine or of a surrogate, the picture."""
 
-import os
-import signal
 import subprocess
 import sys
-import time
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from flat_surrogate import flat_prediction, write_flat_surrogate
 from straight_engine import RATE, straight_line
+from workers import has_ended
 
 import abradem
 import abradem.dem
@@ -183,30 +180,26 @@ def test_rows_without_a_rate_are_kept_as_they_are(tmp_path):
 
 KILLED = """
 import os, time
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
-from abradem.cases.sweep import _end_with_parent
+from abradem.cases import sweep
 
-if __name__ == "__main__":
-    pool = ProcessPoolExecutor(1, get_context("spawn"), initializer=_end_with_parent)
-    print(pool.submit(os.getpid).result(), flush=True)
+def told(*_):
+    os.write(1, b"%d\\n" % os.getpid())  # in one piece, as both workers write
     time.sleep(600)
+
+sweep._rates = told
+if __name__ == "__main__":
+    list(sweep._results([(1,), (2,)], 2))
 """
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="no /proc")
 def test_no_process_of_a_killed_sweep_stays(tmp_path):
     script = tmp_path / "killed.py"
     script.write_text(KILLED)
-    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as sweep:
-        worker = int(sweep.stdout.readline())
-        sweep.kill()
-    for _ in range(600):
-        if not Path(f"/proc/{worker}").exists():
-            return
-        time.sleep(0.1)
-    os.kill(worker, signal.SIGKILL)
-    raise AssertionError(f"process {worker} lives without its sweep")
+    parent = subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True)
+    workers = [int(parent.stdout.readline()) for _ in range(2)]
+    parent.kill()
+    parent.wait()
+    assert all([has_ended(worker) for worker in workers])
 
 
 def test_a_surrogate_answers_all_cases(tmp_path, cases):

@@ -9,11 +9,9 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context
 from typing import Any
 
 import pandas as pd
@@ -23,6 +21,7 @@ from abradem.dem.model import Setup
 from abradem.quantities import GEOMETRY_NAMES, SAMPLED_NAMES, STDERR_COLUMNS, WEAR_COLUMNS
 from abradem.sampling.checks import check_case
 from abradem.simulation.batch import TABLES, run_case
+from abradem.store.workers import end_with_parent
 from abradem.surrogate.model import Surrogate
 from abradem.wear.rates import wear_rates
 
@@ -123,7 +122,7 @@ def _results(jobs: Sequence[tuple], cores: int) -> Iterator[tuple[int, dict]]:
         return
     # A new interpreter: a copy of this one could hold a lock of a thread.
     processes, kind = min(cores, len(jobs)), get_context("spawn")
-    with ProcessPoolExecutor(processes, kind, initializer=_end_with_parent) as pool:
+    with ProcessPoolExecutor(processes, kind, initializer=end_with_parent) as pool:
         places = {pool.submit(_rates, *job): place for place, job in enumerate(jobs)}
         try:
             for done in as_completed(places):
@@ -132,19 +131,6 @@ def _results(jobs: Sequence[tuple], cores: int) -> Iterator[tuple[int, dict]]:
             # Cases that wait would be simulated before the error is seen.
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-
-
-def _end_with_parent() -> None:
-    """End this process when its parent is killed: otherwise it would wait for work for ever."""
-    parent = parent_process()
-    if parent is None:
-        return
-
-    def wait() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=wait, daemon=True).start()
 
 
 def _rates(row: Mapping, setup: Mapping, options: Mapping) -> dict:

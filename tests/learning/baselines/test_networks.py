@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 import warnings
 from concurrent.futures.process import BrokenProcessPool
 from unittest import mock
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 import torch
 from tables import linear_law, no_law
+from workers import has_ended
 
 from abradem.learning.baselines import ga_ann, genetic
 from abradem.learning.baselines.ga_ann import fit_networks, settings
@@ -235,14 +235,7 @@ genetic.search(genetic.SearchProblem(x, x[:, 0], x, x[:, 0]), cores=2)
     worker = int(parent.stdout.readline())
     parent.kill()
     parent.wait()
-    for _ in range(100):
-        try:
-            os.kill(worker, 0)
-        except ProcessLookupError:
-            return
-        time.sleep(0.05)
-    os.kill(worker, signal.SIGKILL)
-    pytest.fail("a worker outlives its parent")
+    assert has_ended(worker, 5.0)
 
 
 def test_networks_are_counted_with_the_weights_that_they_inherit():

@@ -27,7 +27,6 @@ import multiprocessing
 import os
 import shutil
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -50,6 +49,7 @@ from abradem.learning.network import (
 from abradem.learning.scores import r2
 from abradem.store.checksums import sha256_of
 from abradem.store.files import read_arrays, write_arrays, write_text
+from abradem.store.workers import end_with_parent
 
 SELECTIONS = ("tournament", "roulette")
 FAILED = -1e9
@@ -553,14 +553,7 @@ _HERE: dict[str, _Trainer] = {}
 
 
 def _begin(trainer: _Trainer) -> None:
-    parent = multiprocessing.parent_process()
-
-    def end_with_parent():
-        if parent is not None:
-            parent.join()
-        os._exit(1)
-
-    threading.Thread(target=end_with_parent, daemon=True).start()
+    end_with_parent()
     _HERE["trainer"] = trainer
 
 
