@@ -19,7 +19,7 @@ class Batches:
         self.stream = io.StringIO()
         self.monitor = Monitor(root / ".finished", self.stream)
         self.batches = {
-            name: BatchOfCases(4, root / f"{name}.parquet", root / ".finished" / name)
+            name: BatchOfCases(4, root / f"{name}.parquet", root / ".finished" / name, [30.0] * 4)
             for name in "ab"
         }
 
@@ -43,6 +43,18 @@ class Batches:
 @pytest.fixture
 def study(tmp_path):
     return Batches(tmp_path)
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Sets the time since the start of the test, s."""
+    began = time.monotonic()
+
+    def at(seconds):
+        monkeypatch.setattr(time, "monotonic", lambda: began + seconds)
+
+    at(0.0)
+    return at
 
 
 def test_cases_of_batches_that_need_not_run_count_as_done(study):
@@ -92,22 +104,36 @@ def test_cases_of_a_killed_run_do_not_shorten_the_time_left(study):
     assert study.monitor.line() == "simulations: 6 of 12 cases done"
 
 
-def test_the_time_left_follows_the_rate_of_this_run(study, monkeypatch):
+def test_the_time_left_follows_the_rate_of_this_run(study, clock):
     study.begin()
-    now = time.monotonic()
-    monkeypatch.setattr(time, "monotonic", lambda: now + 60.0)
+    clock(60.0)
     study.run("a", finished=2)
     assert study.monitor.line() == "simulations: 6 of 12 cases done, about 3 min left"
 
 
-def test_the_time_left_counts_what_the_batches_cost(study, monkeypatch):
-    for name, work in (("a", 90.0), ("b", 30.0)):
-        study.batches[name] = replace(study.batches[name], work=work)
+def test_the_time_left_counts_what_the_cases_cost(study, clock):
+    for name, seconds in (("a", [10.0, 20.0, 30.0, 30.0]), ("b", [5.0, 5.0, 10.0, 10.0])):
+        study.batches[name] = replace(study.batches[name], seconds=seconds)
     study.begin()
-    now = time.monotonic()
-    monkeypatch.setattr(time, "monotonic", lambda: now + 60.0)
+    study.run("b", finished=2)
+    clock(60.0)
+    # 10 s of computing were worked off in 60 s, 110 s are left.
+    assert study.monitor.line() == "simulations: 6 of 12 cases done, about 11 min left"
     study.end("a")
-    assert study.monitor.line() == "simulations: 8 of 12 cases done, about 20 s left"
+    assert study.monitor.line() == "simulations: 10 of 12 cases done, about 12 s left"
+
+
+def test_the_time_left_falls_while_an_expensive_case_runs(study, clock):
+    """A case that takes most of a run counts while it runs, up to its estimate."""
+    study.batches["a"] = replace(study.batches["a"], seconds=[300.0, 20.0, 20.0, 20.0])
+    study.begin()
+    study.run("a")
+    study.monitor.line()
+    lines = []
+    for after in (100.0, 200.0, 300.0, 400.0):
+        clock(after)
+        lines.append(study.monitor.line().rpartition("about ")[2])
+    assert lines == ["6 min left", "5 min left", "3 min left", "4 min left"]
 
 
 def test_the_last_line_says_how_long_it_took(study):

@@ -165,7 +165,10 @@ def batch_paths(pattern, blocks=BLOCKS):
 
 @cache
 def seconds_of_batches(block):
-    """Estimated computing times (s) of the batches of a block; they only set priorities."""
+    """Estimated computing times (s) of the cases of each batch of a block.
+
+    They only set priorities and tell the time that a run will take.
+    """
     # Imported here, as pandas and SciPy load slowly and only runs with simulations need them.
     from abradem.sampling.cost import batch_seconds
     from abradem.sampling.draw import block_cases
@@ -181,9 +184,14 @@ def seconds_of_batches(block):
     return batch_seconds(drawn, SETUP, BATCHES)
 
 
+def seconds_of_cases(wildcards):
+    """Estimated computing times of the cases of a batch, s."""
+    return seconds_of_batches(int(wildcards.block))[int(wildcards.batch)]
+
+
 def seconds_of_batch(wildcards):
     """Estimated computing time of a batch, s."""
-    return seconds_of_batches(int(wildcards.block))[int(wildcards.batch)]
+    return sum(seconds_of_cases(wildcards))
 
 
 def batches_with(cases, pattern):
@@ -363,7 +371,7 @@ def batch_of(job):
         cases=cases_to_simulate(job),
         runs=Path(job.output.runs),
         finished=Path(job.params.finished),
-        work=seconds_of_batch(job.wildcards),
+        seconds=seconds_of_cases(job.wildcards),
     )
 
 

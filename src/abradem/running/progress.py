@@ -13,7 +13,7 @@ import logging
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
@@ -34,18 +34,23 @@ class BatchOfCases:
         The ``runs`` table.
     finished : path
         Folder of finished cases.
-    work : float, optional
-        Cost relative to other batches; by default the number of cases.
+    seconds : sequence of float
+        Estimated computing time of each case, s, in the order in which they are simulated.
     """
 
     cases: int
     runs: Path
     finished: Path
-    work: float | None = None
+    seconds: Sequence[float]
 
-    def work_of(self, cases: int) -> float:
-        """Cost of some of its cases, relative to other batches."""
-        return cases if self.work is None else self.work * cases / self.cases
+    def work_of(self, cases: int, running: float = 0.0) -> float:
+        """Estimated computing time of its first cases, s.
+
+        The next one, which has run for some time (s), counts with this time, but with no more
+        than its estimate.
+        """
+        following = self.seconds[cases] if cases < len(self.seconds) else 0.0
+        return sum(self.seconds[:cases]) + min(running, following)
 
 
 class _MakeRoom(logging.Handler):
@@ -90,6 +95,7 @@ class Monitor:
         self._done = 0
         self._work = self._worked = self._running = 0.0
         self._resumed: dict[str, float] = {}
+        self._seen: dict[str, tuple[int, float]] = {}
         self._began = self._ended = 0
         self._clock = 0.0
         self._in_line = False
@@ -133,6 +139,7 @@ class Monitor:
         self.total = total
         self._done = self.total - sum(batch.cases for batch in batches.values())
         self._worked = self._running = 0.0
+        self._seen = {}
         self._work = sum(batch.work_of(batch.cases) for batch in batches.values())
         self.folder.mkdir(parents=True, exist_ok=True)
         self._mark.write_text("", encoding="utf-8")
@@ -153,9 +160,20 @@ class Monitor:
             elif _modified(batch.finished / STARTED) >= self._began:
                 finished = finished_cases(batch.finished)
                 running += finished
-                self._running += batch.work_of(finished)
+                self._running += batch.work_of(finished, self._running_for(name, finished))
                 self._resumed[name] = batch.work_of(resumed_cases(batch.finished))
         return self._done + running
+
+    def _running_for(self, name: str, finished: int) -> float:
+        """Time for which a batch was seen with this number of finished cases, s.
+
+        A case of a study can take most of its time. If only finished cases counted, the time left
+        would grow as long as it runs.
+        """
+        now = time.monotonic()
+        if self._seen.get(name, (-1, now))[0] != finished:
+            self._seen[name] = finished, now
+        return now - self._seen[name][1]
 
     def line(self) -> str:
         """The line of progress."""

@@ -198,8 +198,8 @@ def _surface_seconds(cases, setup, step: np.ndarray, costs: Costs) -> np.ndarray
 
 def batch_seconds(
     cases: pd.DataFrame, setup: Mapping, batches: Sequence[tuple[int, int]]
-) -> list[float]:
-    """Estimate the computing time of each batch of a block.
+) -> list[list[float]]:
+    """Estimate the computing times of the cases of each batch of a block.
 
     Parameters
     ----------
@@ -212,11 +212,11 @@ def batch_seconds(
 
     Returns
     -------
-    list of float
-        Seconds.
+    list of list of float
+        Seconds of each case, for each batch.
     """
     seconds = case_seconds(cases, setup)
-    return [float(seconds[start:stop].sum()) for start, stop in batches]
+    return [seconds[start:stop].tolist() for start, stop in batches]
 
 
 def _impact_speed(cases, setup):
