@@ -11,10 +11,7 @@ again and again, into cases to learn from (as many as the study has, or as ``--t
 fitted to the former. As for fresh cases of a study, the shares of the latter inside their intervals
 are compared with the binomial band of each region.
 
-Not all shares of faultless intervals are in their band. The quantile of an interval rests on as
-many held-out errors as there are cases to learn from, so that its true level scatters (Vovk 2012,
-JMLR W&CP 25:475), and the binomial band knows of the scatter of the new cases alone. How many
-shares would be in their band is therefore drawn for scores that depend on nothing.
+For faultless intervals see `abradem.learning.physical.fresh`.
 """
 
 from __future__ import annotations
@@ -26,6 +23,7 @@ import numpy as np
 import pandas as pd
 
 from abradem.config import read_config, setup_dict
+from abradem.learning.physical.fresh import shares_of_faultless
 from abradem.learning.physical.intervals import (
     REPORTED,
     conformal_of,
@@ -38,10 +36,8 @@ from abradem.learning.regions import regions_of
 from abradem.learning.scores import r2
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
-from abradem.surrogate.model import conformal_quantile
 
 TESTED = 200
-DRAWS = 200
 
 
 def one_division(given: WearProblem, train: np.ndarray, test: np.ndarray, folds: int, seed: int):
@@ -70,19 +66,6 @@ def one_division(given: WearProblem, train: np.ndarray, test: np.ndarray, folds:
     return shares, int(table["in_band"].sum()), len(table), scores
 
 
-def faultless(given: WearProblem, trained: int, seed: int) -> float:
-    """Mean number of shares in their band if no score depended on anything."""
-    rng = np.random.default_rng(seed)
-    found = []
-    for _ in range(DRAWS):
-        test = rng.permutation(len(given.inputs))[:TESTED]
-        known, new = np.sort(rng.random(trained)), rng.random(len(test))
-        inside = {level: new <= conformal_quantile(known, level) for level in REPORTED}
-        table = coverage_by_region(inside, given.inputs[test], regions_of(given.inputs))
-        found.append(int(table["in_band"].sum()))
-    return float(np.mean(found))
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -101,6 +84,7 @@ def main() -> None:
     if max(sizes) + TESTED > len(rows):
         parser.error(f"--trained {max(sizes)}: {len(rows)} cases leave fewer than {TESTED} to test")
     folds = config.learning.physical.interval_folds
+    levels = list(REPORTED)
     for target in asked.targets:
         given = problem(rows, jet_of(setup_dict(config)), target)
         for size in sizes:
@@ -113,11 +97,14 @@ def main() -> None:
                 in_band.append(found[1])
                 shares = found[2]
                 scores.append(found[3])
+            drawn = shares_of_faultless(
+                size, given.inputs[test], regions_of(given.inputs), levels, config.seed
+            )
             print(
                 f"{target}, {size} cases to learn from, {asked.divisions} divisions: "
                 f"{np.mean(in_band):.1f} of {shares} shares by region in their band "
                 f"({min(in_band)} to {max(in_band)}; faultless intervals "
-                f"{faultless(given, size, config.seed):.1f})"
+                f"{drawn.mean():.1f})"
             )
             share = 100.0 * np.array(inside)
             for place, level in enumerate(REPORTED):

@@ -53,6 +53,7 @@ FRESH = {
     "cases": 200,
     "rates": [
         {"target": name, "shares": 24, "in_band": 23, "scores": {"R2": 0.9},
+         "faultless": {"mean": 22.43, "least": 20},
          "all": [{"level": 0.8, "coverage": share, "band": [0.745, 0.855], "in_band": True}]}
         for name, share in (("wear_friction_p99", 0.81), ("wear_friction_mean", 0.76))
     ],
@@ -140,7 +141,7 @@ def test_the_coverage_of_fresh_cases_is_shown_at_each_place(card):
     assert "On 200 fresh cases" in page
     (mean,) = [row for row in Rows(page).cells if row[1:3] == ["80 %", "76.0 %"]]
     assert mean[0] == second and second.startswith("wear depth rate, mean over the plate")
-    assert mean[3:] == ["74.5 to 85.5 %", "23 of 24"]
+    assert mean[3:] == ["74.5 to 85.5 %", "23 of 24", "20 or more"]
 
 
 def test_what_is_not_known_of_a_table_is_said():

@@ -215,11 +215,13 @@ def _fresh(fresh: Mapping | None) -> str:
     if fresh is None:
         return ""
     target, *places = fresh["rates"]
-    scores = target["scores"]
+    scores, faultless = target["scores"], target["faultless"]
     text = (
         f" On {fresh['cases']} fresh cases, simulated for this test alone, {target['in_band']} of "
-        f"{target['shares']} shares by region are in their bands; R2 of the wear is there "
-        f"{score_number(scores['R2'])}, of ln(wear number) {score_number(scores['R2_number'])}."
+        f"{target['shares']} shares by region are in their bands (faultless intervals: "
+        f"{faultless['mean']:.1f} on average, {faultless['least']} or more in 95 of 100 sets of "
+        f"cases); R2 of the wear is there {score_number(scores['R2'])}, of ln(wear number) "
+        f"{score_number(scores['R2_number'])}."
     )
     if places:
         listed = "; ".join(

@@ -354,15 +354,24 @@ def _fresh_shares(fresh: Mapping | None) -> list[str]:
     if fresh is None:
         return []
     rows = [
-        (rate["words"], *_shares(one, *one["band"]), f"{rate['in_band']} of {rate['shares']}")
+        (
+            rate["words"],
+            *_shares(one, *one["band"]),
+            f"{rate['in_band']} of {rate['shares']}",
+            f"{rate['faultless']['least']} or more",
+        )
         for rate in fresh["rates"]
         for one in rate["all"]
     ]
-    heads = ("wear rate", "level", "inside", "expected by chance", "regions as expected")
+    heads = (
+        "wear rate", "level", "inside", "expected by chance", "regions as expected",
+        "if faultless",
+    )  # fmt: skip
     return [
         f"<p>On {fresh['cases']} fresh cases, which were simulated for this test and which no "
-        "model saw. The last column counts the shares by region, at all levels, that are as "
-        "expected by chance; 19 of 20 would be, if the intervals held exactly.</p>",
+        "model saw. The last but one column counts the shares by region, at all levels, that are "
+        "as expected by chance, the last one says how many that are in 95 of 100 such tests of "
+        "faultless intervals.</p>",
         *_table(heads, rows),
     ]
 

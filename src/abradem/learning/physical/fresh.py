@@ -4,6 +4,11 @@ Held-out rows of a study are few in each region, and were seen by the developer 
 cases come from blocks that no model has seen. The surrogate, as `abradem predict` uses it, predicts
 them with intervals, at every place of the plate that it knows. The share inside is compared with
 the binomial band of each region.
+
+Not all shares of faultless intervals are in their bands. The quantile of an interval rests on as
+many held-out errors as there are rows to learn from, so that its true level scatters (Vovk 2012,
+JMLR W&CP 25:475), while the binomial band knows of the scatter of the fresh cases alone. How many
+shares would be in their band is therefore drawn for errors that depend on nothing.
 """
 
 from __future__ import annotations
@@ -13,13 +18,16 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from abradem.learning.physical.intervals import REPORTED, coverage_by_region
+from abradem.learning.physical.intervals import BAND, REPORTED, band, coverage_by_region
 from abradem.learning.physical.problem import WearProblem
 from abradem.learning.regions import Region, regions_of
 from abradem.learning.scores import r2, score
 from abradem.quantities import SAMPLED_NAMES
 from abradem.surrogate.groups import input_names
-from abradem.surrogate.model import Surrogate, highest_level
+from abradem.surrogate.model import Surrogate, conformal_quantile, highest_level
+
+DRAWS = 2000
+"""Sets of cases drawn for the shares of faultless intervals."""
 
 EVERYWHERE = Region("all", "all cases", SAMPLED_NAMES[0], 0.0, np.inf)
 
@@ -45,8 +53,9 @@ def coverage_of_fresh(
     summary : dict
         ``cases``, and ``rates``, a list with, for each wear rate: ``target``; ``all``, level,
         coverage, band and whether it is in it, over all cases; ``shares``, the number of shares by
-        region, and ``in_band``, how many are in their band; ``scores``, the metrics of
-        `abradem.learning.scores.score` and ``R2_number``.
+        region, and ``in_band``, how many are in their band; ``faultless``, how many would be with
+        faultless intervals: ``mean``, and ``least``, in 95 of 100 sets of cases; ``scores``, the
+        metrics of `abradem.learning.scores.score` and ``R2_number``.
     """
     tables, summaries = zip(*(_of_one(surrogate, *pair) for pair in rates), strict=True)
     coverage = pd.concat(tables, ignore_index=True)
@@ -68,6 +77,9 @@ def _of_one(
             inside[level] = (y >= found.lower) & (y <= found.upper)
     rate = surrogate.predict(values, target=target).rate
     coverage = coverage_by_region(inside, fresh.inputs, [EVERYWHERE, *regions_of(given.inputs)])
+    faultless = shares_of_faultless(
+        surrogate.model(target).score_count, fresh.inputs, regions_of(given.inputs), list(inside)
+    )
     overall = coverage["region"] == EVERYWHERE.name
     parts = coverage[~overall]
     return coverage.assign(target=target)[["target", *coverage.columns]], {
@@ -83,8 +95,47 @@ def _of_one(
         ],
         "shares": len(parts),
         "in_band": int(parts["in_band"].sum()),
+        "faultless": {
+            "mean": float(faultless.mean()),
+            "least": int(np.quantile(faultless, 1.0 - BAND, method="inverted_cdf")),
+        },
         "scores": {
             **score(y, rate, float(given.table.target.min())),
             "R2_number": r2(fresh.log_number, np.log(rate / fresh.scale)),
         },
     }
+
+
+def shares_of_faultless(
+    trained: int, inputs: np.ndarray, regions: list[Region], levels: list[float], seed: int = 0
+) -> np.ndarray:
+    """Numbers of shares by region that are in their band, if errors depend on nothing.
+
+    Parameters
+    ----------
+    trained : int
+        Number of held-out errors on which the intervals rest.
+    inputs : ndarray, shape (n, 14 and those of a geometry)
+        The sampled quantities of the rows to test.
+    regions : list of Region
+    levels : list of float
+        Levels of the intervals, each at most `highest_level` of ``trained``.
+    seed : int
+
+    Returns
+    -------
+    ndarray of int, shape (`DRAWS`,)
+        One number for each drawn set of held-out errors and of rows.
+    """
+    held = np.array([region.holds(inputs) for region in regions], dtype=float)
+    held = held[held.any(axis=1)]
+    tested = held.sum(axis=1).astype(int)
+    bands = np.array([[band(count, level) for level in levels] for count in tested])
+    rng = np.random.default_rng(seed)
+    numbers = np.empty(DRAWS, dtype=int)
+    for draw in range(DRAWS):
+        known, new = np.sort(rng.random(trained)), rng.random(len(inputs))
+        ends = np.array([conformal_quantile(known, level) for level in levels])
+        shares = held @ (new[:, None] <= ends) / tested[:, None]
+        numbers[draw] = np.sum((shares >= bands[..., 0]) & (shares <= bands[..., 1]))
+    return numbers
