@@ -1,7 +1,8 @@
 """Cost of a step of a crowd: python benchmarks/crowd.py results/large 7559 --after 3.
 
-Simulates the given number of seconds of a case of a study, then times the same steps repeatedly
-from that state. The shortest time is the cost of a step of the bed, without the time to form it.
+Simulates the given number of seconds of a case of a study, or of a scenario of `speed.py`
+(``crowd.py D --after 2``), then times the same steps repeatedly from that state. The shortest time
+is the cost of a step of the bed, without the time to form it.
 """
 
 from __future__ import annotations
@@ -12,24 +13,34 @@ from copy import deepcopy
 from pathlib import Path
 
 import numpy as np
+from speed import SCENARIOS
 
 from abradem.cli.simulate import find_case
 from abradem.config import read_config, setup_dict
 from abradem.dem.model import Case, Setup
 from abradem.dem.simulation import Engine
-from abradem.dem.state import DONE, GONE, make_problem
+from abradem.dem.state import DONE, GONE, TOUCHING, make_problem
 
 STEPS, ROUNDS = 5000, 5
 
 
-def crowd_after(study: Path, case: int, seconds: float) -> Engine:
-    """Return the engine of a case of a study, advanced to a simulated time."""
-    setup = Setup.from_dict(setup_dict(read_config(study / "config.yaml")))
-    problem, schedule = make_problem(Case.from_row(find_case(study, case)), setup)
+def chosen_case(name: str, number: int | None) -> tuple[Case, Setup]:
+    """Return a scenario, or a case of the study in a folder."""
+    if number is None:
+        if name not in SCENARIOS:
+            raise SystemExit(f"scenario {name!r} is unknown; allowed: {', '.join(SCENARIOS)}")
+        return SCENARIOS[name].case, SCENARIOS[name].setup
+    setup = Setup.from_dict(setup_dict(read_config(Path(name, "config.yaml"))))
+    return Case.from_row(find_case(Path(name), number)), setup
+
+
+def crowd_after(case: Case, setup: Setup, seconds: float) -> Engine:
+    """Return the engine of a case, advanced to a simulated time."""
+    problem, schedule = make_problem(case, setup)
     engine = Engine(problem, schedule, setup.stepping)
     outcome = engine.advance(round(seconds / problem.dt))
     if outcome != DONE:
-        raise SystemExit(f"case {case} ended before {seconds:g} s: {outcome}")
+        raise SystemExit(f"the case ended before {seconds:g} s: {outcome}")
     return engine
 
 
@@ -46,19 +57,21 @@ def seconds_per_step(engine: Engine, steps: int) -> float:
 def main() -> None:
     """Print the size of the crowd and the cost of a step."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("study", type=Path, help="folder with config.yaml and cases/")
-    parser.add_argument("case", type=int, help="number of the case")
+    parser.add_argument("study", help="folder with config.yaml and cases/, or a scenario: D")
+    parser.add_argument("case", type=int, nargs="?", help="number of the case of the study")
     parser.add_argument(
         "--after", type=float, required=True, help="simulated time before the timing, s"
     )
     chosen = parser.parse_args()
-    engine = crowd_after(chosen.study, chosen.case, chosen.after)
+    engine = crowd_after(*chosen_case(chosen.study, chosen.case), chosen.after)
     best = min(seconds_per_step(engine, STEPS) for _ in range(ROUNDS))
+    name = chosen.study if chosen.case is None else f"case {chosen.case}"
     tally = engine.state.tally[0]
     particles = engine.state.particles[: tally["live"]]
     present = np.count_nonzero(particles["motion"] != GONE)
     print(
-        f"case {chosen.case} after {chosen.after:g} s: {present} particles, "
+        f"{name} after {chosen.after:g} s: {present} particles, "
+        f"{np.count_nonzero(particles['motion'] == TOUCHING)} touch something, "
         f"{np.count_nonzero(particles['plate_stiffness'])} on the plate, "
         f"{np.count_nonzero(engine.state.pairs['stiffness'][: tally['pairs']])} contacts between "
         f"particles of {tally['pairs']} pairs listed"

@@ -123,12 +123,23 @@ def chains(samples, code):
             yield count, chain or [("outside the engine", "")]
 
 
-def record(scenario: str, seconds: float | None, stepping: str):
+def sampling(data: Path) -> subprocess.Popen:
+    """Start `perf` on this process and wait until it samples."""
+    perf = subprocess.Popen(
+        ["perf", "record", "-q", "-o", str(data), "-e", "cpu-clock",
+         "-F", str(SAMPLES_PER_SECOND), "-p", str(os.getpid())]
+    )  # fmt: skip
+    time.sleep(1.0)
+    return perf
+
+
+def record(scenario: str, seconds: float | None, stepping: str, after: float | None):
     """Simulate a scenario under `perf` and print the shares of functions and lines."""
     from dataclasses import replace
 
     from speed import SCENARIOS, timed
 
+    from abradem.dem import simulate
     from abradem.dem.warm import warm
 
     keep_cached_code()
@@ -137,24 +148,35 @@ def record(scenario: str, seconds: float | None, stepping: str):
     setup = replace(chosen.setup, stepping=stepping)
     if seconds is not None:
         setup = replace(setup, duration=seconds)
+    if after is not None and after >= setup.duration:
+        raise SystemExit(f"--after {after:g} s; less than the duration of {setup.duration:g} s")
     with tempfile.TemporaryDirectory() as folder:
         code = placed_code(Path(folder))
         data = Path(folder, "perf.data")
-        perf = subprocess.Popen(
-            ["perf", "record", "-q", "-o", str(data), "-e", "cpu-clock",
-             "-F", str(SAMPLES_PER_SECOND), "-p", str(os.getpid())]
-        )  # fmt: skip
-        time.sleep(1.0)
-        spent, result = timed(chosen.case, setup)
-        while spent.cpu < 1.0:
-            more, result = timed(chosen.case, setup)
-            spent = spent._replace(cpu=spent.cpu + more.cpu)
+        if after is None:
+            perf = sampling(data)
+            spent, result = timed(chosen.case, setup)
+            while spent.cpu < 1.0:
+                more, result = timed(chosen.case, setup)
+                spent = spent._replace(cpu=spent.cpu + more.cpu)
+        else:
+            started: list[subprocess.Popen] = []
+
+            def progress(now: float) -> None:
+                if now >= after and not started:
+                    started.append(sampling(data))
+
+            result = simulate(chosen.case, setup, progress=progress)
+            (perf,) = started
         perf.send_signal(signal.SIGINT)
         perf.wait()
         script = output("perf", "script", "-i", str(data), "-F", "ip")
         samples = [int(line, 16) for line in script.split() if line]
         found = list(chains(samples, code))
-    print(f"{scenario}, {stepping}: {result.simulated_time:g} s simulated, {len(samples)} samples")
+    print(
+        f"{scenario}, {stepping}: {after or 0:g} to {result.simulated_time:g} s simulated, "
+        f"{len(samples)} samples"
+    )
     print_shares(found)
 
 
@@ -181,6 +203,7 @@ def main() -> None:
     parser.add_argument("scenario", help="one of A, M, B, D, E, F")
     parser.add_argument("--seconds", type=float, help="duration instead of that of the scenario, s")
     parser.add_argument("--stepping", default="islands", help="islands or synchronous")
+    parser.add_argument("--after", type=float, help="sample from this simulated time on only, s")
     chosen = parser.parse_args()
     for program in ("perf", "addr2line", "nm", "objdump"):
         if not shutil.which(program):
@@ -193,7 +216,7 @@ def main() -> None:
             "ABRADEM_CACHE_DIR": str(cache_folder().parent / "with-lines"),
         }
         raise SystemExit(subprocess.run([sys.executable, *sys.argv], env=environment).returncode)
-    record(chosen.scenario, chosen.seconds, chosen.stepping)
+    record(chosen.scenario, chosen.seconds, chosen.stepping, chosen.after)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@ contacts with rolling friction, the plate as one wall of finite size, particles 
 steps, positions and velocities at which this engine released them, and removed below the same
 level. There is no wear and no output; one core is used. The time of a peer is the sum of the loop
 times in its log. Reading scripts, set-up, insertion of particles and the pair lists built at the
-start of a run are not included.
+start of a run are not included. At each simulated second the script writes down the computing time
+of the process, from `/proc` of Linux.
 
 Differences: LIGGGHTS uses the displacement law with uncapped damping, LAMMPS the incremental law.
 In both, contacts are attractive at their end, which gives the same restitution as the default of
@@ -19,11 +20,9 @@ from __future__ import annotations
 import math
 import os
 import re
-import resource
 import shutil
 import subprocess
 import tempfile
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -74,6 +73,10 @@ class Pour(NamedTuple):
     low: np.ndarray
     high: np.ndarray
 
+    def second(self, step: int) -> int:
+        """Simulated second in which a lattice step is, from 0."""
+        return int(step * self.problem.dt)
+
     @property
     def releases(self):
         """Releases for `abradem.simulate`."""
@@ -82,13 +85,18 @@ class Pour(NamedTuple):
 
 @dataclass(frozen=True)
 class Run:
-    """Result of a peer: version, seconds of its run loop, mean particles and kinetic energy."""
+    """Result of a peer: version, seconds of its run loop, mean particles and kinetic energy.
+
+    ``seconds`` (s, 2) has the computing time (s) and the mean number of particles in each simulated
+    second.
+    """
 
     version: str
     wall: float
     cpu: float
     present: float
     energy: float
+    seconds: np.ndarray | None = None
 
 
 def pour(case: Case, setup: Setup) -> Pour:
@@ -151,6 +159,14 @@ def unlike(poured: Pour, run: Run) -> str:
             words.append(f"{name} {100.0 * (theirs / ours - 1.0):+.0f} %")
     return ", ".join(words)
 
+
+TAKE_TIME = ("print second", "shell sh times.sh")
+
+TIMES = """p=$PPID
+while [ "$(cat /proc/$p/comm)" = sh ]; do p=$(cut -d' ' -f4 /proc/$p/stat); done
+echo $(cut -d' ' -f1 /proc/uptime) $(cut -d' ' -f14,15 /proc/$p/stat) >> times
+"""
+"""Writes wall time (s) and computing time (user, system, ticks) of the code that calls it."""
 
 # LIGGGHTS
 
@@ -301,17 +317,25 @@ def _vector(values) -> str:
 
 
 def _releases(case: Case, poured: Pour, place, velocity) -> str:
-    """Return the runs between the releases; the time starts with the first particle."""
-    lines, now = [], poured.step[0]
+    """Return the runs between the releases; the time starts with the first particle.
+
+    The computing time is written down at the start, at the first release of each simulated second,
+    and at the end.
+    """
+    lines, now = [*TAKE_TIME], poured.step[0]
+    second = poured.second(now)
     size = f"diameter {2.0 * case.particle_radius!r} density {case.particle_density!r}"
     for i, step in enumerate(poured.step):
         if step > now:
             lines.append(f"run {step - now}")
             now = step
+        if poured.second(step) > second:
+            second = poured.second(step)
+            lines += TAKE_TIME
         lines.append(f"create_atoms 1 single {_vector(place[i])} units box")
         speed = "vx {:.17g} vy {:.17g} vz {:.17g}".format(*velocity[i])
         lines.append(f"set atom {i + 1} {size} {speed}")
-    lines += [f"run {poured.end - now}", ""]
+    lines += [f"run {poured.end - now}", *TAKE_TIME, ""]
     return "\n".join(lines)
 
 
@@ -322,8 +346,8 @@ _ROW = re.compile(r"^\s*\d+\s+(\d+)\s+([-+.\deE]+)\s*$")
 _LOOP = re.compile(r"^Loop time of (\S+) on 1 procs")
 
 
-def read_log(lines) -> tuple[str, float, np.ndarray]:
-    """Return version, seconds of all run loops, and particles and energy at the end of each.
+def read_log(lines) -> tuple[str, np.ndarray, np.ndarray]:
+    """Return version, loop times of all runs, and particles and energy at the end of each.
 
     Parameters
     ----------
@@ -333,21 +357,27 @@ def read_log(lines) -> tuple[str, float, np.ndarray]:
     Returns
     -------
     version : str
-    loop : float
-        s.
+    loops : ndarray, shape (runs, 2)
+        Number of times that `TAKE_TIME` came before; loop time, s.
     rows : ndarray, shape (runs, 2)
         Particles present, kinetic energy in J.
     """
-    version, loop, rows, last = "", 0.0, [], None
+    version, second, loops, rows, last = "", 0, [], [], None
     for line in lines:
         if found := _VERSION.search(line):
             version = version or found[1] or found[2]
+        elif line.strip() == "second":
+            second += 1
         elif found := _ROW.match(line):
             last = (int(found[1]), float(found[2]))
         elif found := _LOOP.match(line):
-            loop += float(found[1])
+            loops.append((second, float(found[1])))
             rows.append(last)
-    return version, loop, np.array(rows, dtype=float).reshape(-1, 2)
+    return version, _pairs(loops), _pairs(rows)
+
+
+def _pairs(rows) -> np.ndarray:
+    return np.array(rows, dtype=float).reshape(-1, 2)
 
 
 class Peer(NamedTuple):
@@ -377,22 +407,45 @@ def timed_run(peer: Peer, case: Case, setup: Setup, poured: Pour, skin: float) -
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "in.jet").write_text(peer.script(case, setup, poured, skin))
         Path(folder, "plate.stl").write_text(_plate_stl(case, setup))
+        Path(folder, "times.sh").write_text(TIMES)
         log = Path(folder, "log.txt")
-        before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
         with log.open("w") as sink:
             done = subprocess.run(
                 [installed(peer), "-in", "in.jet", "-log", "none"],
                 cwd=folder, stdout=sink, stderr=subprocess.STDOUT,
                 env=os.environ | {"OMP_NUM_THREADS": "1"},
             )  # fmt: skip
-        wall = time.perf_counter() - start
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if done.returncode != 0:
             raise RuntimeError(f"{peer.name} failed:\n{log.read_text()[-2000:]}")
         with log.open() as lines:
-            version, loop, rows = read_log(lines)
-    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            version, loops, rows = read_log(lines)
+        times = np.loadtxt(Path(folder, "times"))
     # The last row is after the last release; the values of this engine are before each release.
     present, energy = rows[:-1].mean(axis=0)
-    # The loop time is wall time; the same share of the run is assumed for the CPU time.
-    return Run(version, loop, cpu * loop / wall, float(present), float(energy))
+    seconds = by_second(times, loops, rows)
+    return Run(
+        version, float(loops[:, 1].sum()), float(seconds[:, 0].sum()), float(present),
+        float(energy), seconds,
+    )  # fmt: skip
+
+
+def by_second(times, loops, rows) -> np.ndarray:
+    """Return computing time of the loops (s) and mean number of particles in each second.
+
+    Loop times are wall times; the same share of a core is assumed for all that a peer does within
+    a second.
+
+    Parameters
+    ----------
+    times : array_like, shape (s + 1, 3)
+        What `TIMES` wrote: wall time in s, user and system time in ticks.
+    loops, rows : ndarray, shape (runs, 2)
+        See `read_log`.
+    """
+    wall, user, system = np.diff(times, axis=0).T
+    share = (user + system) / os.sysconf("SC_CLK_TCK") / wall
+    seconds = []
+    for i, busy in enumerate(share, start=1):
+        here = loops[:, 0] == i
+        seconds.append((busy * loops[here, 1].sum(), rows[here, 0].mean()))
+    return _pairs(seconds)

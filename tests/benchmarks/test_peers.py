@@ -1,6 +1,7 @@
 """Benchmarks with other codes: they get the same particles, and their logs are parsed correctly."""
 
 import math
+import os
 from dataclasses import replace
 
 import cost
@@ -80,17 +81,29 @@ LOG = """LAMMPS (22 Jul 2025 - Update 4)
 Loop time of 0.25 on 1 procs for 226 steps with 1 atoms
 
 99.1% CPU use with 1 MPI tasks x 1 OpenMP threads
+second
        226           2   0.083887902
        452           2   0.084000000
 Loop time of 0.5 on 1 procs for 226 steps with 2 atoms
 """
 
 
-def test_log_gives_the_sum_of_run_loops_and_what_was_there_at_their_ends():
-    version, loop, rows = peers.read_log(LOG.splitlines())
+def test_log_gives_the_run_loops_and_what_was_there_at_their_ends():
+    version, loops, rows = peers.read_log(LOG.splitlines())
     assert version == "22 Jul 2025 - Update 4"
-    assert loop == 0.75
+    np.testing.assert_array_equal(loops, [[0, 0.25], [1, 0.5]])
     np.testing.assert_array_equal(rows, [[1, 0.042], [2, 0.084]])
+
+
+def test_computing_time_of_the_loops_of_each_second():
+    # Within 2 s on the wall 1.5 s were computed, three quarters of a loop of 0.4 s; then all of it.
+    ticks = os.sysconf("SC_CLK_TCK")
+    times = [[10.0, 0, 0], [12.0, 1.25 * ticks, 0.25 * ticks], [13.0, 2.25 * ticks, 0.25 * ticks]]
+    loops = np.array([[1, 0.1], [1, 0.3], [2, 0.5]])
+    rows = np.array([[10, 1.0], [30, 1.0], [40, 1.0]])
+    np.testing.assert_allclose(
+        peers.by_second(times, loops, rows), [[0.3, 20.0], [0.5, 40.0]], rtol=1e-12
+    )
 
 
 def test_other_work_than_ours_is_called_so(crowded):
