@@ -4,7 +4,7 @@ Prints the computing time of this engine, LIGGGHTS and LAMMPS for each simulated
 scenario of `speed.py`, the particles present, and the ratios, for beds that fill for seconds. One
 simulation of each; ``--together`` gives them a core each at the same time, so that all meet the
 same other work. ``--pour`` keeps the releases in a file, or takes them from it; it is refused if
-this engine releases other particles.
+this engine releases another number of particles.
 """
 
 from __future__ import annotations
@@ -75,14 +75,31 @@ def theirs(peer, scenario: Scenario, setup: Setup, poured: Pour) -> np.ndarray:
     return run.seconds
 
 
-def table(found: dict[str, np.ndarray]) -> pd.DataFrame:
-    """Return a line for each second and one for all: times, particles, ratios to this engine."""
+def table(found: dict[str, np.ndarray], dt: float) -> pd.DataFrame:
+    """Return a line for each second and one for all.
+
+    Parameters
+    ----------
+    found : dict of ndarray, shape (s, 2)
+        Computing time (s) and mean number of particles in each second by code, this engine first.
+    dt : float
+        Time step, s.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Of each code the computing time, the particles, and the time for one particle in one step
+        (ns); the ratios of the times of the others to that of this engine.
+    """
     columns = {}
     for name, seconds in found.items():
-        spent, present = seconds.T
-        columns[f"{name}, s"] = [*spent, spent.sum()]
-        columns[f"{name}, particles"] = [*present, present.mean()]
-    lines = pd.DataFrame(columns, index=[*range(1, len(spent) + 1), "all"])
+        spent = np.append(seconds[:, 0], seconds[:, 0].sum())
+        present = np.append(seconds[:, 1], seconds[:, 1].mean())
+        simulated = np.append(np.ones(len(seconds)), len(seconds))
+        columns[f"{name}, s"] = spent
+        columns[f"{name}, particles"] = present
+        columns[f"{name}, ns"] = 1e9 * spent / (present * simulated / dt)
+    lines = pd.DataFrame(columns, index=[*map(str, range(1, len(spent))), "all"])
     for name in list(found)[1:]:
         lines[f"{name}, ratio"] = lines[f"{name}, s"] / lines["abradem, s"]
     return lines
@@ -111,7 +128,7 @@ def main() -> None:
                 run.result()
         found = {"abradem": ours(scenario, setup, poured)}
         found |= {name: run.result() for name, run in runs.items()}
-    lines = table(found)
+    lines = table(found, poured.problem.dt)
     print(lines.to_string(float_format="{:.4g}".format))
     if chosen.table:
         chosen.table.parent.mkdir(parents=True, exist_ok=True)
