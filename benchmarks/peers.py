@@ -319,24 +319,23 @@ def _vector(values) -> str:
 def _releases(case: Case, poured: Pour, place, velocity) -> str:
     """Return the runs between the releases; the time starts with the first particle.
 
-    The computing time is written down at the start, at the first release of each simulated second,
-    and at the end.
+    The computing time is written down before the first run of each simulated second, and at the
+    end.
     """
-    lines, now = [*TAKE_TIME], poured.step[0]
-    second = poured.second(now)
+    lines, now, second = [], poured.step[0], -1
     size = f"diameter {2.0 * case.particle_radius!r} density {case.particle_density!r}"
-    for i, step in enumerate(poured.step):
+    for i, step in enumerate([*poured.step, poured.end]):
         if step > now:
+            if poured.second(now) > second:
+                second = poured.second(now)
+                lines += TAKE_TIME
             lines.append(f"run {step - now}")
             now = step
-        if poured.second(step) > second:
-            second = poured.second(step)
-            lines += TAKE_TIME
-        lines.append(f"create_atoms 1 single {_vector(place[i])} units box")
-        speed = "vx {:.17g} vy {:.17g} vz {:.17g}".format(*velocity[i])
-        lines.append(f"set atom {i + 1} {size} {speed}")
-    lines += [f"run {poured.end - now}", *TAKE_TIME, ""]
-    return "\n".join(lines)
+        if i < len(place):
+            lines.append(f"create_atoms 1 single {_vector(place[i])} units box")
+            speed = "vx {:.17g} vy {:.17g} vz {:.17g}".format(*velocity[i])
+            lines.append(f"set atom {i + 1} {size} {speed}")
+    return "\n".join([*lines, *TAKE_TIME, ""])
 
 
 # Both
@@ -421,7 +420,7 @@ def timed_run(peer: Peer, case: Case, setup: Setup, poured: Pour, skin: float) -
             version, loops, rows = read_log(lines)
         times = np.loadtxt(Path(folder, "times"))
     # The last row is after the last release; the values of this engine are before each release.
-    present, energy = rows[:-1].mean(axis=0)
+    present, energy = (rows[:-1] if len(rows) > 1 else rows).mean(axis=0)
     seconds = by_second(times, loops, rows)
     return Run(
         version, float(loops[:, 1].sum()), float(seconds[:, 0].sum()), float(present),
