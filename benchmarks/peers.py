@@ -74,8 +74,9 @@ class Pour(NamedTuple):
     high: np.ndarray
 
     def second(self, step: int) -> int:
-        """Simulated second in which a lattice step is, from 0."""
-        return int(step * self.problem.dt)
+        """Simulated second in which a lattice step is, from 0; a last step or two count before."""
+        last = math.ceil(self.end * self.problem.dt - 1e-3) - 1
+        return min(int(step * self.problem.dt), max(0, last))
 
     @property
     def releases(self):

@@ -95,6 +95,12 @@ def test_log_gives_the_run_loops_and_what_was_there_at_their_ends():
     np.testing.assert_array_equal(rows, [[1, 0.042], [2, 0.084]])
 
 
+def test_a_step_after_the_last_second_counts_as_that_second(crowded):
+    poured = crowded[1]
+    whole = poured._replace(end=round(2.0 / poured.problem.dt) + 1)
+    assert [whole.second(round(t / poured.problem.dt) + 1) for t in (0.5, 1.0, 2.0)] == [0, 1, 1]
+
+
 def test_computing_time_of_the_loops_of_each_second():
     # Within 2 s on the wall 1.5 s were computed, three quarters of a loop of 0.4 s; then all of it.
     ticks = os.sysconf("SC_CLK_TCK")
