@@ -49,6 +49,13 @@ def test_parts_are_laid_out_with_the_colours_of_their_cells():
     assert titles == ["plate 1", "plate 2"]
 
 
+@pytest.mark.parametrize(("angle", "azimuth"), [(35.0, -120.0), (145.0, -60.0)])
+def test_a_slope_is_seen_from_the_side_that_it_faces(angle, azimuth):
+    surface = surface_of(Plates((Rectangle(0.3, 0.2, angle),)), 0.1)
+    cells = pd.DataFrame({"depth_rate_total": 1e-3, "cell_area": cell_areas(surface)})
+    assert surface_map_figure(surface, cells, "total").axes[0].azim == azimuth
+
+
 def test_a_surface_without_wear_is_drawn():
     figure = surface_map_figure(SURFACE, CELLS.assign(depth_rate_total=0.0), "total")
     figure.canvas.draw()
