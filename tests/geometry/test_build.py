@@ -180,7 +180,7 @@ def test_the_file_of_a_mesh_is_known():
 
 
 def test_plates_and_arcs_are_laid_out_with_their_areas():
-    """s is measured from the higher end; a trough with its end walls cannot be laid out."""
+    """s is measured from the higher end."""
     for geometry in (Arc(0.4, 80.0, 10.0, 0.3), PLATE):
         surface = surface_of(geometry, 0.02)
         flat, across = unrolled_part(surface, 0)
@@ -195,8 +195,29 @@ def test_plates_and_arcs_are_laid_out_with_their_areas():
     arc = unrolled_part(surface_of(Arc(0.4, 80.0, 10.0, 0.3), 0.002), 0)
     length = np.ptp(arc.corners[..., 0])
     assert length == pytest.approx(0.4 * math.radians(70.0), rel=1e-5)
-    trough = surface_of(Screw(0.4, 0.075, 0.02, 0.1, 0.005, 0.1, 30.0), 0.05)
-    assert unrolled_part(trough, 0) is None
+
+
+def test_an_arc_is_laid_out_where_triangles_are_divided_unevenly():
+    """An edge that is not divided passes the middle of its neighbour's; lengths are the line's."""
+    vertices = [[0, 1, 0], [0, 1, 1], [0, 0, 0], [0, 0, 1], [1, 0, 0], [1, 0, 1], [0.5, 0, 1]]
+    triangles = [[0, 1, 2], [1, 3, 2], [2, 4, 6], [2, 6, 3], [4, 5, 6]]
+    flat = unrolled_part(standing_surface(vertices, triangles), 0)
+    assert flat.corners[2].tolist() == [[1.0, 0.0], [2.0, 0.0], [1.5, 1.0]]
+    assert flat.corners[0].tolist() == [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]
+
+
+def test_the_parts_of_the_chute_are_laid_out_whatever_the_size_of_the_facets(tmp_path):
+    write_stl(transfer_chute(), tmp_path / "chute.stl")
+    for size in (0.03, 0.04, 0.05):
+        surface = surface_of(MeshFile(str(tmp_path / "chute.stl")), size)
+        for part, name in enumerate(surface.part_names):
+            flat = unrolled_part(surface, part)
+            assert (flat is not None) == (name in ("hood", "back", "spoon")), (size, name)
+
+
+def test_no_part_of_a_screw_is_laid_out():
+    surface = surface_of(Screw(0.4, 0.075, 0.02, 0.1, 0.005, 0.1, 30.0), 0.05)
+    assert [unrolled_part(surface, part) for part in range(3)] == [None, None, None]
 
 
 @pytest.mark.parametrize(

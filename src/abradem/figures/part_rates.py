@@ -134,5 +134,9 @@ def _finish(
         panel.set_ylabel("Depth rate (mm/s)")
         handles, labels = panel.get_legend_handles_labels()
         panel.figure.legend(
-            handles, labels, loc="outside upper center", ncols=min(len(labels), 4), columnspacing=1.2
+            handles,
+            labels,
+            loc="outside upper center",
+            ncols=min(len(labels), 4),
+            columnspacing=1.2,
         )

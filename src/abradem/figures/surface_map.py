@@ -171,6 +171,8 @@ def _space(panel, surface: Surface, faces: np.ndarray, azimuth: float) -> None:
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
         axis._axinfo["grid"].update(color=(0.0, 0.0, 0.0, 0.08), linewidth=0.4)
     panel.tick_params(labelsize=5.5, pad=-2.0)
+    panel.tick_params(axis="x", pad=-0.5)
+    panel.tick_params(axis="z", pad=1.0)
 
 
 def _flat_parts(surface: Surface, worn: np.ndarray) -> list[tuple[int, FlatPart]]:

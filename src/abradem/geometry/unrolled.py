@@ -95,6 +95,7 @@ def _distances(places: np.ndarray, point: np.ndarray) -> np.ndarray | None:
     """Distance of each point of an open line from its higher end; None if it is not one."""
     ends = np.sort(point[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     steps = np.unique(ends[ends[:, 0] != ends[:, 1]], axis=0)
+    steps = steps[~_passing(places, steps)]
     neighbours: list[list[int]] = [[] for _ in places]
     for a, b in steps:
         neighbours[a].append(b)
@@ -111,3 +112,18 @@ def _distances(places: np.ndarray, point: np.ndarray) -> np.ndarray | None:
             return None if np.isnan(distance).any() else distance
         before, here = here, ahead[0]
         distance[here] = distance[before] + np.hypot(*(places[here] - places[before]))
+
+
+def _passing(places: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Return which steps between points pass another point, shape (n,) of bool.
+
+    So do edges of a triangle beside one that is divided further.
+    """
+    begin = places[steps[:, 0], None]
+    along = places[steps[:, 1], None] - begin
+    length = np.linalg.norm(along, axis=2)
+    arm = places - begin
+    share = (arm * along).sum(axis=2) / length**2
+    beside = np.abs(arm[..., 0] * along[..., 1] - arm[..., 1] * along[..., 0]) / length
+    within = (share > FLAT) & (share < 1.0 - FLAT)
+    return (within & (beside <= FLAT * length)).any(axis=1)
