@@ -14,14 +14,14 @@ from straight_engine import RATE, straight_line
 
 import abradem
 import abradem.dem
-from abradem.cli.case_input import middle_of_ranges, patch_words, read_setup
+from abradem.cli.case_input import middle_of_ranges, patch_words, read_setup, surface_words
 from abradem.cli.given_values import given_values, swept_values
 from abradem.cli.main import _parser, main
 from abradem.config import load_config, setup_dict
 from abradem.config.materials import preset
 from abradem.dataset.user_table import find_columns, read_user_table
 from abradem.dem.model import Setup
-from abradem.dem.surface import Feed
+from abradem.dem.surface import Feed, standing_surface
 from abradem.quantities import SAMPLED, SAMPLED_NAMES, WEAR_COLUMNS, WEAR_MEASURES
 from abradem.store.files import read_json, write_json
 from abradem.store.tables import read_table, read_units
@@ -770,3 +770,11 @@ def test_a_sweep_counts_its_cases_on_a_terminal(monkeypatch, asked):
 def test_the_place_of_the_factory_is_told_in_millimetres():
     feed = Feed((0.1, 0.5, 0.0), (0.2, 0.0, 0.0), (0.0, 0.0, 0.4), (0.0, -1.0, 0.0))
     assert patch_words(feed) == "factory of 200 x 400 mm, centre at x = 100, y = 500, z = 0 mm"
+
+
+def test_the_surface_is_told_with_its_extent():
+    surface = standing_surface([[0, 0, 0], [0.4, 0, 0], [0, 0.3, 0.2], [0, 0, 0.2]],
+                               [[0, 1, 2], [0, 1, 3]])  # fmt: skip
+    assert surface_words(surface) == (
+        "surface of 400 x 300 x 200 mm along x, y and z, 2 cells in 1 part"
+    )

@@ -49,6 +49,13 @@ def test_parts_are_laid_out_with_the_colours_of_their_cells():
     assert titles == ["plate 1", "plate 2"]
 
 
+@pytest.mark.parametrize(("angle", "azimuth"), [(35.0, -120.0), (145.0, -60.0)])
+def test_a_slope_is_seen_from_the_side_that_it_faces(angle, azimuth):
+    surface = surface_of(Plates((Rectangle(0.3, 0.2, angle),)), 0.1)
+    cells = pd.DataFrame({"depth_rate_total": 1e-3, "cell_area": cell_areas(surface)})
+    assert surface_map_figure(surface, cells, "total").axes[0].azim == azimuth
+
+
 def test_a_surface_without_wear_is_drawn():
     figure = surface_map_figure(SURFACE, CELLS.assign(depth_rate_total=0.0), "total")
     figure.canvas.draw()
@@ -90,8 +97,25 @@ def test_rates_of_parts_are_drawn_against_what_varied():
     effects = part_effects(parts, cases, "wear_total_mean")
     figure = draw_part_rates(parts, effects, cases, {"name": "wear_total_mean"})
     (panel,) = figure.axes
+    assert panel.get_yscale() == "linear"
     assert [line.get_ydata().tolist() for line in panel.lines] == [[1, 2, 3, 4], [4, 3, 2, 1]]
     assert panel.get_xlabel() == "angle of plate 2 (°)"
+
+
+def test_a_reference_far_from_the_rates_makes_their_axis_logarithmic():
+    cases = pd.DataFrame({"case_id": range(4), "plate_2_angle": [1.0, 2.0, 3.0, 4.0]})
+    parts = pd.DataFrame(
+        {"case_id": range(4), "part_name": "a", "wear_total_mean": [1.0, 2.0, 3.0, 4.0]}
+    )
+    effects = part_effects(parts, cases, "wear_total_mean")
+    target = {"name": "wear_total_mean"}
+    figure = draw_part_rates(parts, effects, cases, target, 20.0, "Yang et al. (2021)")
+    (panel,) = figure.axes
+    assert panel.get_yscale() == "log"
+    assert panel.lines[-1].get_label() == "Yang et al. (2021)"
+    assert {text.get_text() for text in figure.legends[0].get_texts()} == {
+        "a", "Yang et al. (2021)"
+    }  # fmt: skip
 
 
 def test_rates_of_parts_are_side_by_side_where_nothing_varied():
@@ -111,6 +135,7 @@ def test_rates_of_parts_are_side_by_side_where_nothing_varied():
     assert mean.get_xdata().tolist() == [0, 1, 0, 1] and mean.get_ydata().tolist() == [1, 2, 3, 4]
     assert p99.get_ydata().tolist() == [5, 6, 7, 8]
     assert line.get_label() == "reference" and set(line.get_ydata()) == {0.5}
+    assert panel.get_yscale() == "log"
     assert [tick.get_text() for tick in panel.get_xticklabels()] == ["a", "b"]
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from abradem.dem.model import Case, Setup
-from abradem.dem.surface import Feed
+from abradem.dem.surface import Feed, standing_surface
 from abradem.geometry.build import filled_in, mesh_file, prepared, shape_of, surface_of
+from abradem.geometry.chute import transfer_chute
 from abradem.geometry.feed import check_box, check_jet, feed_above, height_below
 from abradem.geometry.kinds import Arc, MeshFile, Motion, Plates, Screw, geometry_of
 from abradem.geometry.mesh_files import write_stl
@@ -72,6 +73,22 @@ def test_no_surface_below_the_factory_is_told():
 def test_a_particle_wider_than_the_geometry_is_told():
     with pytest.raises(GeometryError, match=r"of radius 0\.2 m is wider than the geometry, 0\.2 m"):
         prepared(Setup(geometry=PLATE), {**CASE, "particle_radius": 0.2})
+
+
+@pytest.mark.parametrize(
+    ("unit", "radius", "hint"),
+    [
+        ("mm", 0.02, r"chute\.stl was read with unit mm, is its unit m \(1\.17898 m\)\?$"),
+        ("mm", 0.002, r"is its unit cm \(0\.0117898 m\) or m \(1\.17898 m\) or in \(0\.0299"),
+        ("mm", 60.0, r"chute\.stl was read with unit mm$"),
+        ("m", 0.3, r"chute\.stl was read with unit m$"),
+    ],
+)  # fmt: skip
+def test_units_are_told_with_which_a_particle_would_fit_a_mesh(tmp_path, unit, radius, hint):
+    write_stl(transfer_chute(), tmp_path / "chute.stl", unit="m")
+    geometry = {"kind": "mesh", "file": str(tmp_path / "chute.stl"), "unit": unit}
+    with pytest.raises(GeometryError, match=hint):
+        prepared(Setup(geometry=geometry), {**CASE, "particle_radius": radius})
 
 
 def test_values_of_the_case_replace_the_names_of_its_quantities():
@@ -163,21 +180,73 @@ def test_the_file_of_a_mesh_is_known():
 
 
 def test_plates_and_arcs_are_laid_out_with_their_areas():
-    """s is measured from the higher end; a wall across z cannot be laid out."""
+    """s is measured from the higher end."""
     for geometry in (Arc(0.4, 80.0, 10.0, 0.3), PLATE):
         surface = surface_of(geometry, 0.02)
-        flat = unrolled_part(surface, 0)
+        flat, across = unrolled_part(surface, 0)
+        assert across == "z"
         first, second = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
-        across = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+        twice = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
         expected = areas(surface.vertices, surface.triangles)
-        assert np.allclose(0.5 * np.abs(across), expected, rtol=1e-9)
+        assert np.allclose(0.5 * np.abs(twice), expected, rtol=1e-9)
         high = surface.vertices[surface.triangles][:, :, 1].argmax()
         assert flat[..., 0].reshape(-1)[high] == pytest.approx(0.0, abs=1e-12)
         assert flat[..., 0].min() == pytest.approx(0.0, abs=1e-12)
-    length = np.ptp(unrolled_part(surface_of(Arc(0.4, 80.0, 10.0, 0.3), 0.002), 0)[..., 0])
+    arc = unrolled_part(surface_of(Arc(0.4, 80.0, 10.0, 0.3), 0.002), 0)
+    length = np.ptp(arc.corners[..., 0])
     assert length == pytest.approx(0.4 * math.radians(70.0), rel=1e-5)
-    trough = surface_of(Screw(0.4, 0.075, 0.02, 0.1, 0.005, 0.1, 30.0), 0.05)
-    assert unrolled_part(trough, 0) is None
+
+
+def test_an_arc_is_laid_out_where_triangles_are_divided_unevenly():
+    """An edge that is not divided passes the middle of its neighbour's; lengths are the line's."""
+    vertices = [[0, 1, 0], [0, 1, 1], [0, 0, 0], [0, 0, 1], [1, 0, 0], [1, 0, 1], [0.5, 0, 1]]
+    triangles = [[0, 1, 2], [1, 3, 2], [2, 4, 6], [2, 6, 3], [4, 5, 6]]
+    flat = unrolled_part(standing_surface(vertices, triangles), 0)
+    assert flat.corners[2].tolist() == [[1.0, 0.0], [2.0, 0.0], [1.5, 1.0]]
+    assert flat.corners[0].tolist() == [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]
+
+
+def test_the_parts_of_the_chute_are_laid_out_whatever_the_size_of_the_facets(tmp_path):
+    write_stl(transfer_chute(), tmp_path / "chute.stl")
+    for size in (0.03, 0.04, 0.05):
+        surface = surface_of(MeshFile(str(tmp_path / "chute.stl")), size)
+        for part, name in enumerate(surface.part_names):
+            flat = unrolled_part(surface, part)
+            assert (flat is not None) == (name in ("hood", "back", "spoon")), (size, name)
+
+
+def test_no_part_of_a_screw_is_laid_out():
+    surface = surface_of(Screw(0.4, 0.075, 0.02, 0.1, 0.005, 0.1, 30.0), 0.05)
+    assert [unrolled_part(surface, part) for part in range(3)] == [None, None, None]
+
+
+@pytest.mark.parametrize(
+    ("normal", "across", "down"),
+    [
+        ([-0.5, np.sqrt(0.75), 0.0], "z", [-np.sqrt(0.75), -0.5, 0.0]),
+        ([0.0, 1.0, 0.0], "z", [-1.0, 0.0, 0.0]),
+        ([0.0, 0.0, 1.0], "x", [0.0, -1.0, 0.0]),
+        ([1.0, 0.0, 0.0], "z", [0.0, -1.0, 0.0]),
+        ([0.48, 0.6, 0.64], "w", [0.36, -0.8, 0.48]),
+    ],
+)
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_flat_part_of_any_direction_is_laid_out_down_its_slope(normal, across, down, side):
+    """With the rounding of a 32-bit file."""
+    normal, down = side * np.array(normal), np.array(down)
+    level = np.cross(normal, down)
+    plane = np.array([[0, 0], [2, 0], [2, 1], [0, 1]]) @ np.stack([down, level])
+    vertices = np.add(plane, [0.3, 0.2, 0.1]).astype(np.float32).astype(float)
+    surface = standing_surface(vertices, [[0, 1, 2], [2, 3, 0]])
+    flat = unrolled_part(surface, 0)
+    assert flat.across == across
+    assert flat.corners[0, :, 0] == pytest.approx([0.0, 2.0, 2.0], abs=1e-6)
+    assert np.ptp(flat.corners[0, :, 1]) == pytest.approx(1.0, abs=1e-6)
+    if across == "w":
+        assert flat.corners[..., 1].min() == 0.0
+    else:
+        places = vertices[surface.triangles][..., "xyz".index(across)]
+        assert flat.corners[..., 1] == pytest.approx(places, abs=1e-6)
 
 
 def test_an_arc_of_one_angle_is_refused():

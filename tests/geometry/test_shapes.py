@@ -139,6 +139,20 @@ def test_triangles_without_area_and_given_twice_are_found():
     assert selected(shape, ~degenerate(shape)).triangles.tolist() == [[0, 1, 2], [2, 0, 1]]
 
 
+def test_a_triangle_without_area_is_found_though_its_corners_were_rounded():
+    """Three points of a line in single precision, as in a binary STL file; a thin strip stays."""
+    line = np.outer([0.0, 1.0, 3.0], [np.cos(0.6), np.sin(0.6), 0.0])
+    vertices = np.vstack([line, [[0.0, 2.0, 0.0], [0.0, 2.0, 1e-5]]])
+    shape = Shape(
+        vertices.astype(np.float32).astype(float),
+        np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4]]),
+        np.zeros(3, int),
+        ("one",),
+    )
+    assert areas(shape.vertices, shape.triangles)[0] > 0.0
+    assert degenerate(shape).tolist() == [True, False, False]
+
+
 def test_a_screw_has_the_area_of_a_helicoid_and_turns_within_its_trough():
     """Area of a helicoid: integral of sqrt(r^2 + c^2) dr dt with c = pitch / 2 pi."""
     shape = screw(SIZES, 0.004)

@@ -134,6 +134,10 @@ rule figure_part_rates:
         "../envs/abradem.yaml"
     params:
         **drawn_as("part_rates"),
-        options={"target": TARGET, "reference": CONFIG.wear_rate.reference_mm_s},
+        options={
+            "target": TARGET,
+            "reference": CONFIG.wear_rate.reference_mm_s,
+            "source": CONFIG.wear_rate.reference_source,
+        },
     script:
         "../scripts/figures/figure.py"

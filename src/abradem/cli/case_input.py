@@ -19,7 +19,7 @@ from abradem.words.wear import WearTarget
 
 if TYPE_CHECKING:
     from abradem.config import Config
-    from abradem.dem.surface import Feed
+    from abradem.dem.surface import Feed, Surface
 
 LARGEST_SEED = 2**63 - 1
 
@@ -272,6 +272,16 @@ def say_origins(given: Given, own: OwnSetup, filled: Mapping[str, float]) -> Non
     if filled:
         values = ", ".join(value_text(name, value) for name, value in sorted(filled.items()))
         print(f"not given, middle of the ranges of {own.origin}: {values}", file=sys.stderr)
+
+
+def surface_words(surface: Surface) -> str:
+    """Extent of a surface, mm, and its cells, as text: what shows a wrong unit."""
+    wide, high, deep = MM_PER_M * (surface.vertices.max(axis=0) - surface.vertices.min(axis=0))
+    cells, parts = len(surface.triangles), len(surface.part_names)
+    return (
+        f"surface of {wide:.4g} x {high:.4g} x {deep:.4g} mm along x, y and z, {cells} cells in "
+        f"{parts} part{'' if parts == 1 else 's'}"
+    )
 
 
 def patch_words(feed: Feed) -> str:

@@ -19,6 +19,7 @@ from abradem.cli.case_input import (
     progress_line,
     read_setup,
     say_origins,
+    surface_words,
     unused_values,
     with_given_numbers,
 )
@@ -243,12 +244,14 @@ def _simulated(row: dict, setup: dict, config, options: argparse.Namespace, name
     threads = options.threads or config.threads
     if not row["rejected"]:
         if setup.get("geometry"):
-            from abradem.geometry.build import factory_of
+            from abradem.geometry.build import case_surface, factory_of
 
+            described = Setup.from_dict(setup)
             try:
-                factory = factory_of(Setup.from_dict(setup), row)
+                surface, factory = case_surface(described, row), factory_of(described, row)
             except ValueError as error:
                 raise InputError(f"this case cannot be simulated: {error}") from None
+            print(surface_words(surface), file=sys.stderr)
             print(patch_words(factory), file=sys.stderr)
         load_kernels(setup, threads)
         progress, clear = progress_line(setup)

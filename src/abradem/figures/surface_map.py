@@ -20,11 +20,14 @@ from abradem.figures import style
 from abradem.figures.wear_colours import WEAR_MAP
 from abradem.geometry.build import case_surface
 from abradem.geometry.outline import outline
-from abradem.geometry.unrolled import unrolled_part
+from abradem.geometry.unrolled import FlatPart, unrolled_part
 from abradem.units import MM_PER_M
 
-VIEW = (22.0, -60.0)
-"""Elevation and azimuth of the view, degrees."""
+ELEVATION = 22.0
+"""Elevation of the view, degrees."""
+
+AZIMUTHS = (-60.0, -120.0)
+"""Azimuths of the view, degrees; the one from which more of the wear faces the reader is taken."""
 
 BARE = (0.55, 0.58, 0.62, 0.14)
 """Colour of cells without wear: transparent, so that walls do not hide what is worn."""
@@ -97,7 +100,7 @@ def surface_map_figure(surface: Surface, cells: pd.DataFrame, measure: str) -> F
         figure.set_layout_engine("none")
         share = 0.44 if flat else 0.8
         space = figure.add_axes((0.0, 0.1, share, 0.9), projection="3d")
-        _space(space, surface, np.where(bare, BARE, faces))
+        _space(space, surface, np.where(bare, BARE, faces), _azimuth(surface, rate))
         if flat:
             _flat(figure, surface, np.where(bare, BARE_FLAT, faces), flat)
         bar_place = (0.92, 0.2, 0.015, 0.62) if flat else (0.84, 0.22, 0.02, 0.6)
@@ -110,7 +113,9 @@ def surface_map_figure(surface: Surface, cells: pd.DataFrame, measure: str) -> F
             f"wear measure: {measure}; grey: cells without wear; largest depth rate "
             f"{style.number(float(rate.max()))} mm/s"
         )
-        words += "; right: parts laid out, s from the higher end" if flat else ""
+        if flat:
+            words += "; right: parts laid out, $s$ from the higher end"
+            words += ", $w$ level" if any(one.across == "w" for _, one in flat) else ""
         lines = "\n".join(textwrap.wrap(words, int(LETTERS_PER_INCH * width)))
         figure.text(0.01, 0.015, lines, fontsize=6.0, color=style.GREY)
     return figure
@@ -125,7 +130,21 @@ def _top(rate: np.ndarray, area: np.ndarray) -> float:
     return float(rate[order][np.searchsorted(worn, TOP * worn[-1])])
 
 
-def _space(panel, surface: Surface, faces: np.ndarray) -> None:
+def _azimuth(surface: Surface, rate: np.ndarray) -> float:
+    """The one of `AZIMUTHS` from which most of the worn volume is seen, if nothing hides it."""
+    a, b, c = (surface.vertices[surface.triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+
+    def seen(azimuth: float) -> float:
+        up, turn = np.radians([ELEVATION, azimuth])
+        # Axes x, -z and y of the view.
+        towards = np.array([np.cos(up) * np.cos(turn), np.sin(up), -np.cos(up) * np.sin(turn)])
+        return float(rate @ np.abs(normals @ towards))
+
+    return max(AZIMUTHS, key=seen)
+
+
+def _space(panel, surface: Surface, faces: np.ndarray, azimuth: float) -> None:
     """Draw the surface in space; y points up on the page."""
     places = MM_PER_M * surface.vertices[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
     drawn = Poly3DCollection(places[surface.triangles], facecolors=faces, edgecolors="none")
@@ -142,7 +161,7 @@ def _space(panel, surface: Surface, faces: np.ndarray) -> None:
     ):
         limits(at - reach, at + reach)
     panel.set_box_aspect(half, zoom=0.92)
-    panel.view_init(*VIEW)
+    panel.view_init(ELEVATION, azimuth)
     for label, words in zip(
         (panel.set_xlabel, panel.set_ylabel, panel.set_zlabel), ("$x$", "$-z$", "$y$"), strict=True
     ):
@@ -152,28 +171,31 @@ def _space(panel, surface: Surface, faces: np.ndarray) -> None:
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
         axis._axinfo["grid"].update(color=(0.0, 0.0, 0.0, 0.08), linewidth=0.4)
     panel.tick_params(labelsize=5.5, pad=-2.0)
+    panel.tick_params(axis="x", pad=-0.5)
+    panel.tick_params(axis="z", pad=1.0)
 
 
-def _flat_parts(surface: Surface, worn: np.ndarray) -> list[tuple[int, np.ndarray]]:
+def _flat_parts(surface: Surface, worn: np.ndarray) -> list[tuple[int, FlatPart]]:
     """Parts that can be laid out, with their corners, from the higher part to the lower."""
     found = []
     for part in range(len(surface.part_names)):
-        corners = unrolled_part(surface, part)
-        if corners is not None:
+        laid = unrolled_part(surface, part)
+        if laid is not None:
             chosen = surface.part == part
             height = surface.vertices[surface.triangles[chosen], 1].max()
-            found.append((float(worn[chosen].sum()), height, part, corners))
+            found.append((float(worn[chosen].sum()), height, part, laid))
     most = sorted(found, key=lambda one: -one[0])[:MOST_FLAT]
     return [one[2:] for one in sorted(most, key=lambda one: -one[1])]
 
 
 def _flat(
-    figure: Figure, surface: Surface, faces: np.ndarray, flat: Sequence[tuple[int, np.ndarray]]
+    figure: Figure, surface: Surface, faces: np.ndarray, flat: Sequence[tuple[int, FlatPart]]
 ) -> None:
     """Draw the parts that are laid out beside each other, on one scale."""
     left, right, bottom, top = 0.48, 0.88, 0.16, 0.88
     extents = [
-        (float(np.ptp(corners[..., 1])), float(np.ptp(corners[..., 0]))) for _, corners in flat
+        (float(np.ptp(laid.corners[..., 1])), float(np.ptp(laid.corners[..., 0])))
+        for _, laid in flat
     ]
     gap = 0.045
     room = right - left - gap * (len(flat) - 1)
@@ -184,7 +206,8 @@ def _flat(
     )
     used = scale * sum(extent[0] for extent in extents) / wide + gap * (len(flat) - 1)
     at = left + 0.5 * (right - left - used)
-    for place, ((part, corners), (across, along)) in enumerate(zip(flat, extents, strict=True)):
+    for place, ((part, laid), (across, along)) in enumerate(zip(flat, extents, strict=True)):
+        corners = laid.corners
         size = scale * across / wide, scale * along / high
         panel = figure.add_axes((at, top - size[1], *size))
         at += size[0] + gap
@@ -204,7 +227,7 @@ def _flat(
         panel.set_title(surface.part_names[part].replace("_", " "), fontsize=7.0)
         panel.tick_params(labelsize=5.5)
         panel.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(2))
-        panel.set_xlabel("$z$ (mm)", fontsize=6.5)
+        panel.set_xlabel(f"${laid.across}$ (mm)", fontsize=6.5)
         if place == 0:
             panel.set_ylabel("$s$ (mm)", fontsize=6.5)
         else:

@@ -15,6 +15,7 @@ from abradem.dem.model import Setup
 from abradem.dem.surface import Feed, Surface, cell_areas
 from abradem.geometry.feed import check_box, check_jet, feed_above
 from abradem.geometry.kinds import Geometry, MeshFile, Motion, geometry_of
+from abradem.geometry.mesh_files import units_between
 from abradem.geometry.shape import GeometryError, Shape, divided
 
 MOST_CELLS = 200_000
@@ -103,19 +104,26 @@ def worn_area(setup: Setup) -> float:
     return setup.plate_area if setup.surface is None else float(cell_areas(setup.surface).sum())
 
 
-def check_particle(shape: Shape, radius: float) -> None:
+def check_particle(shape: Shape, radius: float, geometry: Geometry) -> None:
     """Raise if a particle is wider than the geometry.
 
     Raises
     ------
     GeometryError
-        With the radius and the largest that is allowed: half of the second largest extent.
+        With the radius and the largest that is allowed: half of the second largest extent. Of a
+        mesh file also the units with which the particle would fit.
     """
-    extent = np.sort(np.ptp(shape.vertices, axis=0))[1]
+    _, extent, largest = (float(one) for one in np.sort(np.ptp(shape.vertices, axis=0)))
     if 2.0 * radius > extent:
+        hint = ""
+        if isinstance(geometry, MeshFile):
+            fits = units_between(extent, largest, geometry.unit, 2.0 * radius)
+            hint = f"; {geometry.file} was read with unit {geometry.unit}" + (
+                f", is its unit {fits}?" if fits else ""
+            )
         raise GeometryError(
             f"a particle of radius {radius:g} m is wider than the geometry, {extent:.4g} m "
-            f"(allowed up to {0.5 * extent:.4g} m)"
+            f"(allowed up to {0.5 * extent:.4g} m){hint}"
         )
 
 
@@ -176,7 +184,7 @@ def _placed(setup: Setup, values: Mapping[str, float]) -> tuple[Geometry, Feed, 
     options: Mapping[str, Any] = setup.geometry if isinstance(setup.geometry, Mapping) else {}
     geometry = geometry_described(setup, values)
     coarse = _remembered(_shape, geometry, setup.facet_size)
-    check_particle(coarse, values["particle_radius"])
+    check_particle(coarse, values["particle_radius"], geometry)
     feed = feed_above(
         coarse,
         geometry.target(coarse),

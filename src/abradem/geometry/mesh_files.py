@@ -183,12 +183,31 @@ def _check_extent(path: Path, extent: float, unit: str) -> None:
     metres = extent * UNITS[unit]
     if SMALLEST <= metres <= LARGEST:
         return
-    fits = [name for name, factor in UNITS.items() if SMALLEST <= extent * factor <= LARGEST]
-    sizes = " or ".join(f"{name} ({extent * UNITS[name]:g} m)" for name in fits)
-    hint = f"; is the unit {sizes}?" if fits else ""
+    fits = units_between(metres, metres, unit)
+    hint = f"; is the unit {fits}?" if fits else ""
     raise GeometryError(
         f"{path}: is {metres:g} m large with unit {unit} (allowed {SMALLEST:g} ... {LARGEST:g} m)"
         f"{hint}"
+    )
+
+
+def units_between(narrow: float, large: float, unit: str, least: float = SMALLEST) -> str:
+    """Return the units that make a mesh wide enough and not too large, with its size, or "".
+
+    Parameters
+    ----------
+    narrow, large : float
+        Second largest and largest extent of the mesh in its present unit, m.
+    unit : str
+        That unit.
+    least : float
+        Smallest second largest extent, m.
+    """
+    sizes = {name: large * factor / UNITS[unit] for name, factor in UNITS.items()}
+    return " or ".join(
+        f"{name} ({size:g} m)"
+        for name, size in sizes.items()
+        if size <= LARGEST and narrow / large * size >= least
     )
 
 

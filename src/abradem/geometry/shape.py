@@ -90,15 +90,16 @@ def welded(shape: Shape) -> Shape:
     )
 
 
-SLIVER = 1e-9
-"""A triangle is degenerate if its area is below this share of its longest edge squared."""
-
-
 def degenerate(shape: Shape) -> np.ndarray:
-    """Return which triangles have no area, shape (t,) of bool."""
+    """Return which triangles have no area, shape (t,) of bool.
+
+    They are those whose height over their longest edge is at most `WELD` of the extent: the
+    corners of a triangle without area are not exactly on a line once they are rounded.
+    """
     corners = shape.vertices[shape.triangles]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    return areas(shape.vertices, shape.triangles) <= SLIVER * edges**2
+    extent = float(np.ptp(shape.vertices, axis=0).max())
+    return 2.0 * areas(shape.vertices, shape.triangles) <= WELD * extent * edges
 
 
 def given_twice(shape: Shape) -> np.ndarray:
@@ -148,9 +149,10 @@ def divided(shape: Shape, longest: float, most: int) -> Shape:
         if not long.any():
             return Shape(vertices, triangles, part, shape.names)
         if len(triangles) + long.sum() > most:
+            extent = float(np.ptp(shape.vertices, axis=0).max())
             raise GeometryError(
-                f"facets of {longest / np.sqrt(2.0):g} m divide the surface into more than {most} "
-                "triangles (allowed: larger facets)"
+                f"facets of {longest / np.sqrt(2.0):g} m divide the surface, {extent:.4g} m large, "
+                f"into more than {most} triangles (allowed: larger facets)"
             )
         middle = np.full(len(edges), -1)
         middle[long] = len(vertices) + np.arange(long.sum())
