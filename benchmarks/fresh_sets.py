@@ -11,7 +11,11 @@ again and again, into cases to learn from (as many as the study has, or as ``--t
 fitted to the former. As for fresh cases of a study, the shares of the latter inside their intervals
 are compared with the binomial band of each region.
 
-For faultless intervals see `abradem.learning.physical.fresh`.
+Not all shares of faultless intervals are in their band. The quantile of an interval rests on as
+many held-out errors as there are cases to learn from, so that its true level scatters (Vovk 2012,
+JMLR W&CP 25:475), and the binomial band knows of the scatter of the new cases alone. How many
+shares would be in their band is therefore drawn for scores that depend on nothing, and so are
+the joint bands of all shares (`abradem.learning.physical.region_coverage`).
 """
 
 from __future__ import annotations
@@ -27,11 +31,17 @@ from abradem.learning.physical.fresh import shares_of_faultless
 from abradem.learning.physical.intervals import (
     REPORTED,
     conformal_of,
-    coverage_by_region,
     hold_out_in_turn,
 )
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import WearProblem, problem
+from abradem.learning.physical.region_coverage import (
+    coverage_by_region,
+    faultless,
+    faultless_on_new,
+    joint_summary,
+    with_joint_bands,
+)
 from abradem.learning.regions import regions_of
 from abradem.learning.scores import r2
 from abradem.store.tables import read_table
@@ -47,8 +57,8 @@ def one_division(given: WearProblem, train: np.ndarray, test: np.ndarray, folds:
     -------
     inside : list of float
         Share of the test rows inside the intervals of each level of `REPORTED`.
-    in_band, shares : int
-        Shares by region that are in their binomial band, and the number of them.
+    verdict : dict
+        On the shares by region, see `abradem.learning.physical.region_coverage.joint_summary`.
     scores : list of float
         R2 of the wear and of the logarithm of the wear number.
     """
@@ -57,13 +67,15 @@ def one_division(given: WearProblem, train: np.ndarray, test: np.ndarray, folds:
     intervals = conformal_of(given, train, hold_out_in_turn(given, train, folds, seed))
     away = np.abs(given.log_number[test] - mean) / deviation
     inside = {level: away <= intervals.half(given.groups[test], level) for level in REPORTED}
-    table = coverage_by_region(inside, given.inputs[test], regions_of(given.inputs[train]))
+    regions, draw = regions_of(given.inputs[train]), faultless_on_new(len(train), len(test))
+    joint = faultless(draw, REPORTED, given.inputs[test], regions)
+    table = with_joint_bands(coverage_by_region(inside, given.inputs[test], regions), joint)
     scores = [
         r2(given.table.target[test], given.wear(test, mean)),
         r2(given.log_number[test], mean),
     ]
     shares = [float(inside[level].mean()) for level in REPORTED]
-    return shares, int(table["in_band"].sum()), len(table), scores
+    return shares, joint_summary(table, joint), scores
 
 
 def main() -> None:
@@ -88,23 +100,24 @@ def main() -> None:
     for target in asked.targets:
         given = problem(rows, jet_of(setup_dict(config)), target)
         for size in sizes:
-            inside, in_band, shares, scores = [], [], 0, []
+            inside, verdicts, scores = [], [], []
             for division in range(asked.divisions):
                 order = np.random.default_rng(division).permutation(len(rows))
                 train, test = np.sort(order[TESTED:][:size]), np.sort(order[:TESTED])
                 found = one_division(given, train, test, folds, config.seed)
                 inside.append(found[0])
-                in_band.append(found[1])
-                shares = found[2]
-                scores.append(found[3])
-            drawn = shares_of_faultless(
-                size, given.inputs[test], regions_of(given.inputs), levels, config.seed
+                verdicts.append(found[1])
+                scores.append(found[2])
+            in_band, expected, shares = (
+                np.array([one[key] for one in verdicts])
+                for key in ("in_band", "expected", "shares")
             )
+            whole = np.sum([one["in_joint"] == one["shares"] for one in verdicts])
             print(
                 f"{target}, {size} cases to learn from, {asked.divisions} divisions: "
-                f"{np.mean(in_band):.1f} of {shares} shares by region in their band "
-                f"({min(in_band)} to {max(in_band)}; faultless intervals "
-                f"{drawn.mean():.1f})"
+                f"{in_band.mean():.1f} of {shares.max()} shares by region in their band "
+                f"({in_band.min()} to {in_band.max()}; faultless intervals {expected.mean():.1f}); "
+                f"all in their joint bands in {whole} of {asked.divisions}"
             )
             share = 100.0 * np.array(inside)
             for place, level in enumerate(REPORTED):

@@ -43,17 +43,18 @@ INTERVALS = {
     "rows": 198,
     "highest_level": 198 / 199,
     "coverage": [{"level": 0.8, "coverage": 0.79, "band": [0.745, 0.855], "relative_width": 0.2}],
+    "regions": {"shares": 24, "in_band": 21, "expected": 22.43, "in_joint": 23},
 }
 REGIONS = pd.DataFrame(
-    [("flat", "plate angle below 12 deg", 0.8, 0.58, 0.6, 0.95, 34, False)],
+    [("flat", "plate angle below 12 deg", 0.8, 0.58, 0.6, 0.95, 34, False, 0.56, 1.0, True)],
     columns=["region", "words", "level", "coverage", "band_lower", "band_upper", "tested",
-             "in_band"],
+             "in_band", "joint_lower", "joint_upper", "in_joint"],
 )  # fmt: skip
 FRESH = {
     "cases": 200,
     "rates": [
-        {"target": name, "shares": 24, "in_band": 23, "scores": {"R2": 0.9},
-         "faultless": {"mean": 22.43, "least": 20},
+        {"target": name, "shares": 24, "in_band": 23, "expected": 22.6, "in_joint": 22,
+         "scores": {"R2": 0.9},
          "all": [{"level": 0.8, "coverage": share, "band": [0.745, 0.855], "in_band": True}]}
         for name, share in (("wear_friction_p99", 0.81), ("wear_friction_mean", 0.76))
     ],
@@ -125,7 +126,10 @@ def test_the_page_shows_what_the_content_says(card):
     assert ["mass rate", "42 kg/s"] in found.cells
     assert ["plate angle", "deg", "0 ... 70", "0.7 ... 70"] in found.cells
     (regions,) = [row for row in found.cells if row[0] == "plate angle below 12 deg"]
-    assert regions == ["plate angle below 12 deg", "34", "80 %", "58.0 %", "60.0 to 95.0 %"]
+    assert regions == ["plate angle below 12 deg", "34", "80 %", "58.0 %", "60.0 to 95.0 %",
+                       "56.0 to 100.0 %"]  # fmt: skip
+    assert "21 of the 24 shares by region are as expected by chance" in page
+    assert "22.4 would be on average. 23 of 24 are in the joint bands" in page
     (target,) = [row for row in found.cells if row[0] == "wear_friction_p99"]
     assert target[2:] == ["0.9500 (0.8500 to 0.9600)", "0.9850 (0.8850 to 0.9950)", "12.0 %"]
     assert "1 overlap &lt;5 %&gt;" in page and "CC-BY-4.0" in page
@@ -141,7 +145,7 @@ def test_the_coverage_of_fresh_cases_is_shown_at_each_place(card):
     assert "On 200 fresh cases" in page
     (mean,) = [row for row in Rows(page).cells if row[1:3] == ["80 %", "76.0 %"]]
     assert mean[0] == second and second.startswith("wear depth rate, mean over the plate")
-    assert mean[3:] == ["74.5 to 85.5 %", "23 of 24", "20 or more"]
+    assert mean[3:] == ["74.5 to 85.5 %", "23 of 24 (22.6)", "22 of 24"]
 
 
 def test_what_is_not_known_of_a_table_is_said():

@@ -155,8 +155,20 @@ def _comparison(
             "times that over the seeds). "
         )
         if is_number(best):
-            text += f"The {NAMES[BEST]} is {noise['r2_floor'] - best:.4f} below this limit."
+            text += _beside_limit(best, noise)
     return text.strip()
+
+
+def _beside_limit(best: float, noise: Mapping) -> str:
+    """How far the best model is from the limit, an estimate that a median may lie above."""
+    gap = noise["r2_floor"] - best
+    if gap > 0.0:
+        return f"The {NAMES[BEST]} is {gap:.4f} below this limit."
+    where = "within" if best <= noise["r2_floor_band"][1] else "above"
+    return (
+        f"The {NAMES[BEST]} reaches this limit: its median over the splits is {-gap:.4f} above the "
+        f"estimate and {where} its band."
+    )
 
 
 def _number_scores(comparison: pd.DataFrame, names: Mapping) -> str:
@@ -205,8 +217,17 @@ def _intervals(intervals: Mapping) -> str:
         f"Share of {intervals['rows']} held-out cases inside the {intervals['method']} intervals, "
         f"by nominal level: {parts}. They are {verdicts[0]} the binomial bands, and {verdicts[1]} "
         f"within {100.0 * intervals['tolerance']:g} points of the nominal level. By region (angle, "
-        f"speed and size) {intervals['regions']['in_band']} of {intervals['regions']['shares']} "
-        "shares are in their binomial band; 19 of 20 would be, if the intervals held exactly."
+        f"speed and size) {_by_region(intervals['regions'])}."
+    )
+
+
+def _by_region(verdict: Mapping) -> str:
+    """Shares by region that are in their bands, alone and jointly, and what chance does."""
+    return (
+        f"{verdict['in_band']} of {verdict['shares']} shares are in their binomial bands "
+        f"(of intervals that hold exactly, {verdict['expected']:.1f} are on average), and "
+        f"{verdict['in_joint']} of {verdict['shares']} in the joint bands, which hold all shares "
+        "of such intervals at once in 95 of 100 studies"
     )
 
 
@@ -217,15 +238,14 @@ def _fresh(fresh: Mapping | None) -> str:
     target, *places = fresh["rates"]
     scores, faultless = target["scores"], target["faultless"]
     text = (
-        f" On {fresh['cases']} fresh cases, simulated for this test alone, {target['in_band']} of "
-        f"{target['shares']} shares by region are in their bands (faultless intervals: "
-        f"{faultless['mean']:.1f} on average, {faultless['least']} or more in 95 of 100 sets of "
-        f"cases); R2 of the wear is there {score_number(scores['R2'])}, of ln(wear number) "
+        f" On {fresh['cases']} fresh cases, simulated for this test alone, {_by_region(target)}; "
+        f"R2 of the wear is there {score_number(scores['R2'])}, of ln(wear number) "
         f"{score_number(scores['R2_number'])}."
     )
     if places:
         listed = "; ".join(
-            f"{WearTarget(one['target']).place} {one['in_band']} of {one['shares']}"
+            f"{WearTarget(one['target']).place} {one['in_band']} of {one['shares']} one by one, "
+            f"{one['in_joint']} jointly"
             for one in places
         )
         text += f" Likewise at the other places of the plate: {listed}."
@@ -333,7 +353,7 @@ def _speed(speed: Mapping) -> str:
         f"median {speed['simulated_seconds']['median']:.2g} s) and a prediction "
         f"{1e3 * speed['predicted_seconds']:.2g} ms. A single prediction is "
         f"{_round(speed['speed_up'])} times faster; with {speed['batch']} cases in one call "
-        f"({speed['predictions_per_second']:.2g} predictions per second) it is "
+        f"({_round(speed['predictions_per_second'])} predictions per second) it is "
         f"{_round(speed['speed_up_of_a_batch'])} times faster."
     )
 
@@ -343,7 +363,7 @@ def _round(value: float) -> str:
     for size, word in ((1e6, " million"), (1e3, " thousand")):
         if value >= size:
             return f"{float(f'{value / size:.2g}'):g}{word}"
-    return f"{value:.2g}"
+    return f"{float(f'{value:.2g}'):g}"
 
 
 NUMERALS = ("No", "One", "Two", "Three", "Four")

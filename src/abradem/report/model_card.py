@@ -73,7 +73,8 @@ def model_card(
     failures : pandas.DataFrame, optional
         Cases without a rate: ``status``.
     regions : pandas.DataFrame, optional
-        Coverage by region: words, level, coverage, band_lower, band_upper, tested, in_band.
+        Coverage by region: words, level, coverage, tested, band_lower, band_upper, in_band and
+        joint_lower, joint_upper, in_joint.
     software : str
         Version of abradem.
     licence : str, optional
@@ -138,6 +139,7 @@ def model_card(
         "distillation_error": surrogate["distillation_error"],
         "coverage": list(intervals["coverage"]),
         "coverage_by_region": [] if regions is None else _regions(regions),
+        "coverage_verdict": None if regions is None else intervals["regions"],
         "fresh": None if fresh is None else _fresh(fresh, surrogate),
         "highest_level": intervals["highest_level"],
         "licence": {
@@ -195,7 +197,10 @@ def _range(feature: Mapping, ranges: Mapping[str, Sequence[float]] | None) -> di
 
 
 def _regions(regions: pd.DataFrame) -> list[dict]:
-    columns = ["words", "level", "coverage", "band_lower", "band_upper", "tested", "in_band"]
+    columns = [
+        "words", "level", "coverage", "tested", "band_lower", "band_upper", "in_band",
+        "joint_lower", "joint_upper", "in_joint",
+    ]  # fmt: skip
     return regions[columns].to_dict("records")
 
 
@@ -334,18 +339,37 @@ def _rows(rows: Mapping) -> list[str]:
 
 def _coverage(card: Mapping) -> list[str]:
     overall = [
-        ("all rows", str(card["rows"]["trained"]), *_shares(one, *one["band"]))
+        ("all rows", str(card["rows"]["trained"]), *_shares(one, *one["band"]), "")
         for one in card["coverage"]
     ]  # fmt: skip
     regions = [
-        (one["words"], str(one["tested"]), *_shares(one, one["band_lower"], one["band_upper"]))
+        (
+            one["words"],
+            str(one["tested"]),
+            *_shares(one, one["band_lower"], one["band_upper"]),
+            _share_band(one["joint_lower"], one["joint_upper"]),
+        )
         for one in card["coverage_by_region"]
-    ]  # fmt: skip
+    ]
+    heads = ("cases", "number", "level", "inside", "expected by chance", "jointly with all regions")
     return [
-        *_table(("cases", "number", "level", "inside", "expected by chance"), [*overall, *regions]),
+        *_table(heads, [*overall, *regions]),
+        *_verdict(card["coverage_verdict"]),
         f"<p>{for_html(card['protocol']['intervals'])}; the highest level that they can promise is "
         f"{number_or_words(100.0 * card['highest_level'], '.4g')} %.</p>",
         *_fresh_shares(card["fresh"]),
+    ]
+
+
+def _verdict(verdict: Mapping | None) -> list[str]:
+    """How many shares by region chance leaves where they are."""
+    if verdict is None:
+        return []
+    return [
+        f"<p>{verdict['in_band']} of the {verdict['shares']} shares by region are as expected by "
+        f"chance; if the intervals held exactly, {verdict['expected']:.1f} would be on average. "
+        f"{verdict['in_joint']} of {verdict['shares']} are in the joint bands, in which all shares "
+        "are at once in 95 of 100 studies if the intervals hold exactly.</p>"
     ]
 
 
@@ -357,21 +381,22 @@ def _fresh_shares(fresh: Mapping | None) -> list[str]:
         (
             rate["words"],
             *_shares(one, *one["band"]),
-            f"{rate['in_band']} of {rate['shares']}",
-            f"{rate['faultless']['least']} or more",
+            f"{rate['in_band']} of {rate['shares']} ({rate['expected']:.1f})",
+            f"{rate['in_joint']} of {rate['shares']}",
         )
         for rate in fresh["rates"]
         for one in rate["all"]
     ]
     heads = (
         "wear rate", "level", "inside", "expected by chance", "regions as expected",
-        "if faultless",
+        "regions in joint bands",
     )  # fmt: skip
     return [
         f"<p>On {fresh['cases']} fresh cases, which were simulated for this test and which no "
-        "model saw. The last but one column counts the shares by region, at all levels, that are "
-        "as expected by chance, the last one says how many that are in 95 of 100 such tests of "
-        "faultless intervals.</p>",
+        "model saw. The last columns count the shares by region, at all levels, that are as "
+        "expected by chance (in brackets: how many would be on average if the intervals held "
+        "exactly), and that are in the joint bands, in which all of them are at once in 95 of 100 "
+        "tests if the intervals hold exactly.</p>",
         *_table(heads, rows),
     ]
 
@@ -379,4 +404,9 @@ def _fresh_shares(fresh: Mapping | None) -> list[str]:
 def _shares(one: Mapping, low: float, high: float) -> tuple[str, str, str]:
     """Level, share inside and binomial band in percent."""
     level, inside = 100.0 * one["level"], 100.0 * one["coverage"]
-    return f"{level:g} %", f"{inside:.1f} %", f"{100.0 * low:.1f} to {100.0 * high:.1f} %"
+    return f"{level:g} %", f"{inside:.1f} %", _share_band(low, high)
+
+
+def _share_band(low: float, high: float) -> str:
+    """Ends of a band of shares in percent."""
+    return f"{100.0 * low:.1f} to {100.0 * high:.1f} %"

@@ -13,14 +13,10 @@ from abradem.learning.physical.error_scale import (
     cross_fitted,
     fit_scale,
 )
-from abradem.learning.physical.intervals import (
-    HeldOut,
-    band,
-    conformal_of,
-    coverage_by_region,
-)
+from abradem.learning.physical.intervals import HeldOut, conformal_of
 from abradem.learning.physical.noise_terms import TERMS, terms
 from abradem.learning.physical.problem import problem
+from abradem.learning.physical.region_coverage import band, coverage_by_region
 from abradem.learning.regions import regions_of
 from abradem.learning.rows import standard_scaler
 from abradem.quantities import SAMPLED_NAMES

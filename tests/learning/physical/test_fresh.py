@@ -72,6 +72,12 @@ def test_the_coverage_of_fresh_cases_is_the_share_inside_by_place_and_region(sur
     assert (mean["target"], place["target"]) == ("wear_total_mean", PLACE)
     assert mean["shares"] == len(shown["wear_total_mean"]) - 3
     assert place["shares"] == len(shown[PLACE]) - 2
+    # Flat plates are outside of all intervals, all others inside.
+    inside = table[table["region"] != "all"].groupby("target")["in_joint"].sum()
+    assert mean["in_band"] <= mean["in_joint"] == inside["wear_total_mean"] < mean["shares"]
+    # The fewer the held-out errors, the more the quantiles scatter.
+    mean_share, place_share = (one["expected"] / one["shares"] for one in (mean, place))
+    assert place_share < mean_share < 0.95
     assert place["scores"]["MAPE"] == pytest.approx(np.mean(-np.expm1(-error)), rel=1e-4)
     (half, *_) = mean["all"]
     assert half["level"] == 0.5 and half["coverage"] == pytest.approx(np.mean(~flat))

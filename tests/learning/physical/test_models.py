@@ -37,6 +37,7 @@ from abradem.learning.protocols import folds, repeated_splits
 from abradem.learning.regions import error_by_region
 from abradem.learning.scores import r2
 from abradem.quantities import STDERR_COLUMNS, WEAR_COLUMNS
+from abradem.report import findings as findings_module
 from abradem.report.findings import findings, to_html
 from abradem.surrogate.groups import Jet, jet_of
 from abradem.wear.replicates import choose_cases, replicate
@@ -342,10 +343,9 @@ def test_rows_beyond_a_bound_are_not_trained_on(given):
 FRESH = {
     "cases": 200,
     "rates": [
-        {"target": "wear_total_max", "in_band": 23, "shares": 24,
-         "faultless": {"mean": 22.43, "least": 20},
+        {"target": "wear_total_max", "in_band": 23, "shares": 24, "expected": 22.58, "in_joint": 21,
          "scores": {"R2": 0.9876, "R2_number": 0.9}},
-        {"target": "wear_total_mean", "in_band": 22, "shares": 24},
+        {"target": "wear_total_mean", "in_band": 22, "shares": 24, "in_joint": 24},
     ],
 }  # fmt: skip
 
@@ -379,15 +379,31 @@ def test_the_findings_repeat_the_numbers(few):
     best = summary["scores"][PROCESS]["test"]["R2"]["median"]
     assert f"Gaussian process {best:.4f}" in text["Comparison"]
     assert f"is {0.999 - best:.4f} below this limit" in text["Comparison"]
+    low = {**floor, "r2_floor": 0.2, "r2_floor_band": [0.1, 0.3]}
+    assert findings_module._beside_limit(0.25, low).endswith(
+        "0.0500 above the estimate and within its band."
+    )
+    assert findings_module._beside_limit(0.35, low).endswith(
+        "0.1500 above the estimate and above its band."
+    )
     number = comparison.set_index("model").loc[PROCESS].iloc[0]["r2_number"]
     assert "the part that they learn: power law" in text["Comparison"]
     assert f"Gaussian process {number:.4f} (" in text["Comparison"]
     assert "20 thousand times faster" in text["Speed"]
+    regions = intervals["regions"]
     assert (
-        "23 of 24 shares by region are in their bands (faultless intervals: 22.4 on average, 20 or "
-        "more in 95 of 100 sets of cases); R2 of the wear is there 0.9876" in (text["Intervals"])
+        f"{regions['in_band']} of 24 shares are in their binomial bands (of intervals that hold "
+        f"exactly, {regions['expected']:.1f} are on average), and {regions['in_joint']} of 24 in "
+        "the joint bands"
+    ) in text["Intervals"]
+    assert (
+        "23 of 24 shares are in their binomial bands (of intervals that hold exactly, 22.6 are on "
+        "average), and 21 of 24 in the joint bands"
+    ) in text["Intervals"]
+    assert "at once in 95 of 100 studies; R2 of the wear is there 0.9876" in text["Intervals"]
+    assert text["Intervals"].endswith(
+        "places of the plate: mean over the plate 22 of 24 one by one, 24 jointly."
     )
-    assert text["Intervals"].endswith("places of the plate: mean over the plate 22 of 24.")
     assert summary["equation"] in text["Power law"]
     assert "Archard wear constant (" in text["Sensitivity"]
     assert f"causes the largest fall of R2 ({falls['fall'].max():.2f})" in text["Sensitivity"]

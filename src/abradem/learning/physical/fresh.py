@@ -18,8 +18,15 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from abradem.learning.physical.intervals import BAND, REPORTED, band, coverage_by_region
+from abradem.learning.physical.intervals import REPORTED
 from abradem.learning.physical.problem import WearProblem
+from abradem.learning.physical.region_coverage import (
+    coverage_by_region,
+    faultless,
+    faultless_on_new,
+    joint_summary,
+    with_joint_bands,
+)
 from abradem.learning.regions import Region, regions_of
 from abradem.learning.scores import r2, score
 from abradem.quantities import SAMPLED_NAMES
@@ -48,14 +55,13 @@ def coverage_of_fresh(
     -------
     coverage : pandas.DataFrame
         ``target``, the wear rate, and the columns of
-        `abradem.learning.physical.intervals.coverage_by_region`; the first rows of each wear rate
-        are of all cases. Levels that its held-out errors cannot promise are left out.
+        `abradem.learning.physical.region_coverage.with_joint_bands`; the first rows of each wear
+        rate are of all cases. Levels that its held-out errors cannot promise are left out.
     summary : dict
         ``cases``, and ``rates``, a list with, for each wear rate: ``target``; ``all``, level,
-        coverage, band and whether it is in it, over all cases; ``shares``, the number of shares by
-        region, and ``in_band``, how many are in their band; ``faultless``, how many would be with
-        faultless intervals: ``mean``, and ``least``, in 95 of 100 sets of cases; ``scores``, the
-        metrics of `abradem.learning.scores.score` and ``R2_number``.
+        coverage, band and whether it is in it, over all cases; the verdict on the shares by region,
+        see `abradem.learning.physical.region_coverage.joint_summary`; ``scores``, the metrics of
+        `abradem.learning.scores.score` and ``R2_number``.
     """
     tables, summaries = zip(*(_of_one(surrogate, *pair) for pair in rates), strict=True)
     coverage = pd.concat(tables, ignore_index=True)
@@ -69,16 +75,18 @@ def _of_one(
     target = fresh.table.target_name
     values = dict(zip(input_names(fresh.jet), fresh.inputs.T, strict=True))
     y = fresh.table.target
-    highest = highest_level(surrogate.model(target).score_count)
+    known = surrogate.model(target).score_count
+    highest = highest_level(known)
     inside = {}
     for level in REPORTED:
         if level <= highest:
             found = surrogate.predict(values, level, target)
             inside[level] = (y >= found.lower) & (y <= found.upper)
     rate = surrogate.predict(values, target=target).rate
-    coverage = coverage_by_region(inside, fresh.inputs, [EVERYWHERE, *regions_of(given.inputs)])
-    faultless = shares_of_faultless(
-        surrogate.model(target).score_count, fresh.inputs, regions_of(given.inputs), list(inside)
+    regions = regions_of(given.inputs)
+    joint = faultless(faultless_on_new(known, len(y)), list(inside), fresh.inputs, regions)
+    coverage = with_joint_bands(
+        coverage_by_region(inside, fresh.inputs, [EVERYWHERE, *regions]), joint
     )
     overall = coverage["region"] == EVERYWHERE.name
     parts = coverage[~overall]
@@ -93,12 +101,7 @@ def _of_one(
             }
             for row in coverage[overall].itertuples(index=False)
         ],
-        "shares": len(parts),
-        "in_band": int(parts["in_band"].sum()),
-        "faultless": {
-            "mean": float(faultless.mean()),
-            "least": int(np.quantile(faultless, 1.0 - BAND, method="inverted_cdf")),
-        },
+        **joint_summary(parts, joint),
         "scores": {
             **score(y, rate, float(given.table.target.min())),
             "R2_number": r2(fresh.log_number, np.log(rate / fresh.scale)),

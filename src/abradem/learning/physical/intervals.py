@@ -31,21 +31,25 @@ from scipy import stats
 from abradem.learning.physical.error_scale import ErrorScale, cross_fitted, fit_scale
 from abradem.learning.physical.models import PROCESS, fitted, makers
 from abradem.learning.physical.problem import LARGEST_LOG, WearProblem
+from abradem.learning.physical.region_coverage import (
+    band,
+    coverage_by_region,
+    faultless,
+    faultless_in_folds,
+    joint_summary,
+    with_joint_bands,
+)
 from abradem.learning.protocols import folds
-from abradem.learning.regions import Region, regions_of
+from abradem.learning.regions import regions_of
 from abradem.surrogate.model import conformal_quantile, highest_level
 
 CONFORMAL, OWN = METHODS = ("conformal", "gaussian process")
 LEVELS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 REPORTED = (0.5, 0.8, 0.95)
-BAND = 0.95
 INNER_FOLDS = 5
 """Folds within the training rows, from which the scores for the test of the intervals come."""
 TOLERANCE = 0.03
 """Largest allowed difference between coverage and nominal level for a study with enough rows."""
-COVERAGE_COLUMNS = [
-    "region", "words", "level", "coverage", "band_lower", "band_upper", "tested", "in_band",
-]  # fmt: skip
 
 
 class HeldOut(NamedTuple):
@@ -126,8 +130,12 @@ def conformal_of(given: WearProblem, rows: np.ndarray, held: HeldOut) -> Conform
     does not know it.
     """
     groups = given.groups[rows]
-    scores = held.score / cross_fitted(held.score, groups, held.fold)
-    return Conformal(np.sort(scores), fit_scale(held.score, groups))
+    return Conformal(np.sort(_scaled(held, groups)), fit_scale(held.score, groups))
+
+
+def _scaled(held: HeldOut, groups: np.ndarray) -> np.ndarray:
+    """Scores divided by the scale of the other folds, shape (n,)."""
+    return held.score / cross_fitted(held.score, groups, held.fold)
 
 
 class IntervalCalibration(NamedTuple):
@@ -140,7 +148,8 @@ class IntervalCalibration(NamedTuple):
         width (median of upper end / prediction - 1). Levels that the held-out scores of a fold
         cannot promise are left out.
     regions : pandas.DataFrame
-        Coverage of the conformal intervals by region, see `coverage_by_region`.
+        Coverage of the conformal intervals by region, see
+        `abradem.learning.physical.region_coverage.with_joint_bands`.
     scores : pandas.DataFrame
         case_id, fold, log_deviation (of the process), error_scale (fitted to the other folds),
         score (|t - mean| / (deviation scale)): the held-out scores of all rows, in the order of the
@@ -149,7 +158,8 @@ class IntervalCalibration(NamedTuple):
         ``error_scale``, fitted to the scores of all rows, see `ErrorScale.describe`;
         ``highest_level`` that the scores can promise; ``coverage`` at the levels `REPORTED`, and
         ``not_reached``, those of them that were left out; ``in_band``, ``within_tolerance``;
-        ``regions``, the numbers of shares in the table ``regions`` and of those ``in_band``.
+        ``regions``, the verdict on the table ``regions``, see
+        `abradem.learning.physical.region_coverage.joint_summary`.
     """
 
     calibration: pd.DataFrame
@@ -176,9 +186,12 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> Interva
     levels = [level for level in LEVELS if level <= highest]
     outer = HeldOut(np.zeros(n, dtype=int), *np.empty((3, n)))
     quantile = np.empty((n, len(levels)))
+    inner = []
     for number, (train, test) in enumerate(splits):
         _note(outer, given, fitted(make, given, train), number, everything, test)
-        found = conformal_of(given, train, hold_out_in_turn(given, train, seed=seed))
+        held = hold_out_in_turn(given, train, seed=seed)
+        inner.append((train, _scaled(held, given.groups[train])))
+        found = conformal_of(given, train, held)
         for place, level in enumerate(levels):
             quantile[test, place] = found.half(given.groups[test], level)
     half = {
@@ -198,15 +211,21 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> Interva
         (calibration["method"] == CONFORMAL) & calibration["level"].isin(REPORTED)
     ]
     within = {level: outer.score <= quantile[:, levels.index(level)] for level in reported["level"]}
-    regions = coverage_by_region(within, given.inputs, regions_of(given.inputs))
     cross = cross_fitted(outer.score, given.groups, outer.fold)
+    score = outer.score / cross
+    agreement = np.mean([stats.spearmanr(known, score[rows])[0] for rows, known in inner])
+    # Rows that are all met exactly have no ranks.
+    draw = faultless_in_folds(outer.fold, float(np.nan_to_num(agreement)))
+    parts = regions_of(given.inputs)
+    joint = faultless(draw, list(within), given.inputs, parts, seed)
+    regions = with_joint_bands(coverage_by_region(within, given.inputs, parts), joint)
     scores = pd.DataFrame(
         {
             "case_id": given.table.keys,
             "fold": outer.fold,
             "log_deviation": outer.deviation,
             "error_scale": cross,
-            "score": outer.score / cross,
+            "score": score,
         }
     )
     summary = {
@@ -232,46 +251,6 @@ def calibrate(given: WearProblem, fold_count: int = 5, seed: int = 0) -> Interva
             ((reported["coverage"] - reported["level"]).abs() <= TOLERANCE).all()
         ),
         "tolerance": TOLERANCE,
-        "regions": {"shares": len(regions), "in_band": int(regions["in_band"].sum())},
+        "regions": joint_summary(regions, joint),
     }
     return IntervalCalibration(calibration, regions, scores, summary)
-
-
-def band(tested: int, level: float) -> tuple[float, float]:
-    """Binomial band of level `BAND` of the share of ``tested`` rows inside intervals that hold."""
-    low, high = stats.binom.interval(BAND, tested, level)
-    return low / tested, high / tested
-
-
-def coverage_by_region(
-    inside: dict[float, np.ndarray], inputs: np.ndarray, regions: list[Region]
-) -> pd.DataFrame:
-    """Share of rows inside their intervals, by region and level.
-
-    Parameters
-    ----------
-    inside : dict of float to ndarray of bool, shape (n,)
-        Whether each row is inside its interval, by the level of the interval.
-    inputs : ndarray, shape (n, 14)
-        The sampled quantities of the rows.
-    regions : list of Region
-
-    Returns
-    -------
-    pandas.DataFrame
-        region, words, level, coverage, band_lower, band_upper (binomial band), tested (number of
-        rows), in_band. Regions without a row are left out.
-    """
-    rows = []
-    for region in regions:
-        held = region.holds(inputs)
-        count = int(held.sum())
-        if not count:
-            continue
-        for level, found in inside.items():
-            share = float(found[held].mean())
-            low, high = band(count, level)
-            rows.append(
-                (region.name, region.words, level, share, low, high, count, low <= share <= high)
-            )
-    return pd.DataFrame(rows, columns=COVERAGE_COLUMNS)
