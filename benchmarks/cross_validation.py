@@ -27,7 +27,7 @@ from abradem.learning.physical.problem import problem
 from abradem.learning.protocols import folds, repeated_splits
 from abradem.learning.scores import r2
 from abradem.store.tables import read_table
-from abradem.surrogate.groups import jet_of
+from abradem.surrogate.groups import group_names, jet_of
 
 FOLDS = 5
 
@@ -54,17 +54,18 @@ def main() -> None:
     )
     parser.add_argument("files", nargs="+", help="configuration of a study")
     parser.add_argument("--models", nargs="+", choices=MODELS, default=[PROCESS, STACKED])
+    parser.add_argument("--target", help="wear rate; by default learning.target of the study")
     parser.add_argument("--shuffles", type=int, default=10, help="repeats of the cross-validation")
     asked = parser.parse_args()
     config = read_config(*asked.files)
     given = problem(
         read_table(Path("results", config.study, "dataset.parquet")),
         jet_of(setup_dict(config)),
-        config.learning.target,
+        asked.target or config.learning.target,
     )
     learning = config.learning
     for name in asked.models:
-        make = makers(config.seed)[name]
+        make = makers(config.seed, groups=group_names(given.jet))[name]
         show(
             f"{name}, {asked.shuffles} times {FOLDS} folds",
             [cross_validated(given, make, shuffle) for shuffle in range(asked.shuffles)],

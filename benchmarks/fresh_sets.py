@@ -27,7 +27,6 @@ import numpy as np
 import pandas as pd
 
 from abradem.config import read_config, setup_dict
-from abradem.learning.physical.fresh import shares_of_faultless
 from abradem.learning.physical.intervals import (
     REPORTED,
     conformal_of,
@@ -96,7 +95,6 @@ def main() -> None:
     if max(sizes) + TESTED > len(rows):
         parser.error(f"--trained {max(sizes)}: {len(rows)} cases leave fewer than {TESTED} to test")
     folds = config.learning.physical.interval_folds
-    levels = list(REPORTED)
     for target in asked.targets:
         given = problem(rows, jet_of(setup_dict(config)), target)
         for size in sizes:

@@ -236,7 +236,7 @@ def _fresh(fresh: Mapping | None) -> str:
     if fresh is None:
         return ""
     target, *places = fresh["rates"]
-    scores, faultless = target["scores"], target["faultless"]
+    scores = target["scores"]
     text = (
         f" On {fresh['cases']} fresh cases, simulated for this test alone, {_by_region(target)}; "
         f"R2 of the wear is there {score_number(scores['R2'])}, of ln(wear number) "

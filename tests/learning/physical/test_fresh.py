@@ -3,15 +3,11 @@
 import numpy as np
 import pytest
 from flat_surrogate import NUMBER, SPREAD, write_flat_surrogate
-from scipy import stats
 from tables import product_law
 
 from abradem.learning.model_files import write_model
-from abradem.learning.physical.fresh import EVERYWHERE, coverage_of_fresh, shares_of_faultless
-from abradem.learning.physical.intervals import band
+from abradem.learning.physical.fresh import coverage_of_fresh
 from abradem.learning.physical.problem import problem
-from abradem.learning.regions import regions_of
-from abradem.quantities import SAMPLED_NAMES
 from abradem.store.files import read_arrays, read_json
 from abradem.surrogate.groups import Jet
 from abradem.surrogate.model import Surrogate
@@ -82,8 +78,7 @@ def test_the_coverage_of_fresh_cases_is_the_share_inside_by_place_and_region(sur
     (half, *_) = mean["all"]
     assert half["level"] == 0.5 and half["coverage"] == pytest.approx(np.mean(~flat))
     # Intervals that hold nothing below 12 deg are not faultless, and the numbers say so.
-    assert mean["in_band"] < mean["faultless"]["least"] < mean["faultless"]["mean"]
-    assert mean["faultless"]["mean"] < mean["shares"]
+    assert mean["in_band"] < mean["expected"] < mean["shares"]
     assert half["band"][0] < 0.5 < half["band"][1] and not half["in_band"]
     away = np.log(NUMBER) - fresh.log_number
     spread = fresh.log_number - fresh.log_number.mean()
@@ -91,29 +86,3 @@ def test_the_coverage_of_fresh_cases_is_the_share_inside_by_place_and_region(sur
         1.0 - np.sum(away**2) / np.sum(spread**2), rel=1e-4
     )
     assert mean["scores"]["MAPE"] == pytest.approx(np.mean(-np.expm1(-error)), rel=1e-4)
-
-
-@pytest.mark.parametrize("trained", [60, 200, 5000])
-def test_the_shares_of_faultless_intervals_follow_the_beta_binomial_law(trained):
-    """The number of new rows inside an interval that ends at the r-th of n errors is beta-binomial
-    with r and n + 1 - r (Vovk 2012): its chance to be in the binomial band is a closed form."""
-    inputs, levels = problem(product_law(200), JET).inputs, [0.5, 0.8, 0.95]
-    chance = 0.0
-    for level in levels:
-        rank = np.ceil((trained + 1) * level - 1e-9)
-        low, high = (round(200 * end) for end in band(200, level))
-        inside = stats.betabinom(200, rank, trained + 1 - rank)
-        chance += inside.cdf(high) - inside.cdf(low - 1)
-    found = shares_of_faultless(trained, inputs, [EVERYWHERE], levels)
-    error = found.std() / np.sqrt(len(found))
-    assert found.mean() == pytest.approx(chance, abs=4.0 * error)
-    assert found.max() <= 3
-
-
-def test_a_region_without_rows_has_no_shares_of_faultless_intervals():
-    given = problem(product_law(60), JET)
-    regions = regions_of(given.inputs)
-    flat = given.inputs[given.inputs[:, SAMPLED_NAMES.index("plate_angle")] < 12.0]
-    held = sum(region.holds(flat).any() for region in regions)
-    assert held < len(regions)
-    assert shares_of_faultless(100, flat, regions, [0.5]).max() <= held

@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 from tables import product_law
 
+from abradem.learning.physical.fresh import EVERYWHERE
 from abradem.learning.physical.problem import problem
 from abradem.learning.physical.region_coverage import (
     band,
@@ -70,6 +71,29 @@ def test_of_separate_regions_and_known_quantiles_the_chances_are_products(inputs
     assert found.expected == pytest.approx(in_band, abs=0.03)
     # The p value is the largest with which 95 % of the tests are in; numbers inside are whole.
     assert all_in > 0.94 and all_beyond < 0.96
+
+
+@pytest.mark.parametrize("trained", [60, 200, 5000])
+def test_the_shares_of_faultless_intervals_follow_the_beta_binomial_law(inputs, trained):
+    """The number of new rows inside an interval that ends at the r-th of n errors is beta-binomial
+    with r and n + 1 - r (Vovk 2012): its chance to be in the binomial band is a closed form."""
+    chance = 0.0
+    for level in LEVELS:
+        rank = np.ceil((trained + 1) * level - 1e-9)
+        low, high = (round(200 * end) for end in band(200, level))
+        inside = stats.betabinom(200, rank, trained + 1 - rank)
+        chance += inside.cdf(high) - inside.cdf(low - 1)
+    found = faultless(faultless_on_new(trained, len(inputs)), LEVELS, inputs, [EVERYWHERE])
+    # At most 3 shares of one band each, over 2000 draws.
+    assert found.expected == pytest.approx(chance, abs=4.0 * 1.5 / np.sqrt(2000))
+
+
+def test_a_region_without_rows_has_no_shares(inputs, regions):
+    flat = inputs[regions[0].holds(inputs)]
+    held = sum(region.holds(flat).any() for region in regions)
+    assert held < len(regions)
+    found = faultless(faultless_on_new(KNOWN, len(flat)), LEVELS, flat, regions)
+    assert 2 * held < found.expected <= 3 * held
 
 
 def test_joint_bands_hold_all_shares_of_faultless_intervals_and_single_bands_do_not(

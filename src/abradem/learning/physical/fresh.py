@@ -3,12 +3,7 @@
 Held-out rows of a study are few in each region, and were seen by the developer of its models. Fresh
 cases come from blocks that no model has seen. The surrogate, as `abradem predict` uses it, predicts
 them with intervals, at every place of the plate that it knows. The share inside is compared with
-the binomial band of each region.
-
-Not all shares of faultless intervals are in their bands. The quantile of an interval rests on as
-many held-out errors as there are rows to learn from, so that its true level scatters (Vovk 2012,
-JMLR W&CP 25:475), while the binomial band knows of the scatter of the fresh cases alone. How many
-shares would be in their band is therefore drawn for errors that depend on nothing.
+the bands of each region (`abradem.learning.physical.region_coverage`).
 """
 
 from __future__ import annotations
@@ -31,10 +26,7 @@ from abradem.learning.regions import Region, regions_of
 from abradem.learning.scores import r2, score
 from abradem.quantities import SAMPLED_NAMES
 from abradem.surrogate.groups import input_names
-from abradem.surrogate.model import Surrogate, conformal_quantile, highest_level
-
-DRAWS = 2000
-"""Sets of cases drawn for the shares of faultless intervals."""
+from abradem.surrogate.model import Surrogate, highest_level
 
 EVERYWHERE = Region("all", "all cases", SAMPLED_NAMES[0], 0.0, np.inf)
 
@@ -107,38 +99,3 @@ def _of_one(
             "R2_number": r2(fresh.log_number, np.log(rate / fresh.scale)),
         },
     }
-
-
-def shares_of_faultless(
-    trained: int, inputs: np.ndarray, regions: list[Region], levels: list[float], seed: int = 0
-) -> np.ndarray:
-    """Numbers of shares by region that are in their band, if errors depend on nothing.
-
-    Parameters
-    ----------
-    trained : int
-        Number of held-out errors on which the intervals rest.
-    inputs : ndarray, shape (n, 14 and those of a geometry)
-        The sampled quantities of the rows to test.
-    regions : list of Region
-    levels : list of float
-        Levels of the intervals, each at most `highest_level` of ``trained``.
-    seed : int
-
-    Returns
-    -------
-    ndarray of int, shape (`DRAWS`,)
-        One number for each drawn set of held-out errors and of rows.
-    """
-    held = np.array([region.holds(inputs) for region in regions], dtype=float)
-    held = held[held.any(axis=1)]
-    tested = held.sum(axis=1).astype(int)
-    bands = np.array([[band(count, level) for level in levels] for count in tested])
-    rng = np.random.default_rng(seed)
-    numbers = np.empty(DRAWS, dtype=int)
-    for draw in range(DRAWS):
-        known, new = np.sort(rng.random(trained)), rng.random(len(inputs))
-        ends = np.array([conformal_quantile(known, level) for level in levels])
-        shares = held @ (new[:, None] <= ends) / tested[:, None]
-        numbers[draw] = np.sum((shares >= bands[..., 0]) & (shares <= bands[..., 1]))
-    return numbers
