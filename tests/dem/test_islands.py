@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abradem.dem import islands, simulate, synchronous
-from abradem.dem.agenda import FEW, NEIGHBOURS, NEVER, grown_agenda, make_agenda
+from abradem.dem.agenda import FEW, NEVER, grown_agenda, make_agenda
 from abradem.dem.bounds import (
     due_step,
     first_time_within,
@@ -288,7 +288,7 @@ def placed_in_cells(capacity, count, seed):
 
 def listed(agenda, cell, old=-1):
     count = list_neighbours(agenda, cell, old)
-    return agenda.lists[NEIGHBOURS, :count].tolist()
+    return agenda.near[:count].tolist()
 
 
 @pytest.mark.parametrize("capacity", [64, 600])

@@ -11,7 +11,7 @@ import numpy as np
 
 from abradem.dem.borrow import borrowed
 from abradem.dem.cache import kernel
-from abradem.dem.state import Problem
+from abradem.dem.state import Problem, lined_up
 
 SLOTS = 32
 """Largest number of near partners in a row: at most about 17 particles fit within three radii."""
@@ -35,8 +35,11 @@ factor: a thin jet then falls through fewer cells, and few particles are in each
 RING = 4096
 """Number of slots of the queue, a power of two. Slot ``step % RING`` lists who is due at a step."""
 
-# Plan of one particle. Lists are linked in both directions by index, that of a cell forwards in
-# `Agenda.cell_next`; -1 ends them.
+BUCKET = 8
+"""Numbers for each cell: the particles in it, and at last how many. Those that find no room are in
+a list that every search looks through; in cells of equal spheres there are hardly ever any."""
+
+# Plan of one particle. The lists of the queue are linked in both directions by index; -1 ends them.
 PLAN = np.dtype(
     [
         ("awake", np.int64),
@@ -70,7 +73,6 @@ PLAN = np.dtype(
         ("queue_next", np.int64),
         ("queue_previous", np.int64),
         ("cell", np.int64),
-        ("cell_previous", np.int64),
     ]
 )
 
@@ -82,6 +84,8 @@ CLOCK = np.dtype(
         ("awake", np.int64),
         # Number of contacts that begin in this step.
         ("begun", np.int64),
+        # Number of particles without room in their cell.
+        ("spilled", np.int64),
         # Cells per axis of the grid: two to this power; 0: lists of cells and queue are not valid.
         ("bits", np.int64),
         # Width and height of a cell, and distance by which a particle may leave it, m.
@@ -98,7 +102,7 @@ CLOCK = np.dtype(
     ]
 )
 
-NEIGHBOURS, DUE, LANDED = 0, 1, 2
+SPILLED, DUE, LANDED = 0, 1, 2
 """Uses of `Agenda.lists`."""
 
 
@@ -115,13 +119,12 @@ class Agenda(NamedTuple):
         Near partners of an awake particle, each with the step before which they cannot touch.
     queue : ndarray of int, shape (RING,)
         First sleeping particle of each slot of the queue.
-    cells : ndarray of int, shape (cells,)
-        First particle of each cell.
-    cell_next : ndarray of int, shape (capacity,)
-        Next particle in the cell of each particle, apart from the plans: lists of neighbours read
-        it alone, and it fits into the fastest cache.
+    cells : ndarray of int32, shape (cells, BUCKET)
+        Particles in each cell, and their number.
+    near : ndarray of int32, shape (capacity + BUCKET,)
+        The particles that a search in cells has found.
     lists : ndarray of int, shape (3, capacity)
-        Working memory: lists of particles.
+        Lists of particles: those without room in their cell, and working memory.
     begun : ndarray of int, shape (8 capacity,)
         Contacts that begin in this step, ascending: first index times 2^32 plus the second.
     """
@@ -132,7 +135,7 @@ class Agenda(NamedTuple):
     rows: np.ndarray
     queue: np.ndarray
     cells: np.ndarray
-    cell_next: np.ndarray
+    near: np.ndarray
     lists: np.ndarray
     begun: np.ndarray
 
@@ -148,8 +151,8 @@ def make_agenda(problem: Problem, capacity: int, threads: int = 1) -> Agenda:
         awake=np.zeros(capacity, np.int64),
         rows=np.zeros((capacity, SLOTS), NEAR),
         queue=np.full(RING, -1),
-        cells=np.full(8 ** _bits(capacity), -1, np.int32),
-        cell_next=np.zeros(capacity, np.int32),
+        cells=lined_up((8 ** _bits(capacity), BUCKET), np.int32),
+        near=np.zeros(capacity + BUCKET, np.int32),
         lists=np.zeros((3, capacity), np.int64),
         begun=np.zeros(8 * capacity, np.int64),
     )
@@ -195,7 +198,7 @@ def borrowed_agenda(agenda):
         borrowed(agenda.rows),
         borrowed(agenda.queue),
         borrowed(agenda.cells),
-        borrowed(agenda.cell_next),
+        borrowed(agenda.near),
         borrowed(agenda.lists),
         borrowed(agenda.begun),
     )

@@ -12,34 +12,76 @@ import math
 
 import numpy as np
 
-from abradem.dem.agenda import NEIGHBOURS
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
+
+from abradem.dem.agenda import BUCKET, SPILLED
 from abradem.dem.bounds import first_time_beyond
 from abradem.dem.cache import kernel
+
+COUNT = BUCKET - 1
+"""Place of the number of particles in the bucket of a cell, and the largest one."""
+
+
+@intrinsic
+def _copy_bucket(typing_context, near, size, cells, cell):
+    """Copy the numbers of a cell to place ``size`` of a list in one move of 32 bytes.
+
+    A loop over the particles of each cell would end at a place that processors cannot guess.
+    """
+
+    def codegen(context, builder, signature, arguments):
+        target, size, source, cell = arguments
+        near = context.make_array(signature.args[0])(context, builder, target)
+        cells = context.make_array(signature.args[2])(context, builder, source)
+        numbers = ir.VectorType(ir.IntType(32), BUCKET).as_pointer()
+        first = builder.mul(cell, ir.Constant(cell.type, BUCKET))
+        bucket = builder.bitcast(builder.gep(cells.data, [first]), numbers)
+        place = builder.bitcast(builder.gep(near.data, [size]), numbers)
+        builder.store(builder.load(bucket, align=4), place, align=4)
+        return context.get_dummy_value()
+
+    return types.void(near, types.int64, cells, types.int64), codegen
+
+
+@kernel
+def empty_cells(agenda):
+    """Take all particles out of their cells."""
+    agenda.cells[:, COUNT] = 0
+    agenda.clock[0].spilled = 0
 
 
 @kernel(inline=True)
 def enter_cell(agenda, i, cell):
     """Enter particle i, which is in no cell, in a cell."""
-    plan = agenda.plans[i]
-    first = agenda.cells[cell]
-    plan.cell, plan.cell_previous = cell, -1
-    agenda.cell_next[i] = first
-    if first >= 0:
-        agenda.plans[first].cell_previous = i
-    agenda.cells[cell] = i
+    agenda.plans[i].cell = cell
+    bucket, clock = agenda.cells[cell], agenda.clock[0]
+    count = bucket[COUNT]
+    if count < COUNT:
+        bucket[count] = i
+        bucket[COUNT] = count + 1
+    else:
+        agenda.lists[SPILLED, clock.spilled] = i
+        clock.spilled += 1
 
 
 @kernel(inline=True)
 def leave_cell(agenda, i):
     """Remove particle i from its cell."""
-    plan = agenda.plans[i]
-    behind = agenda.cell_next[i]
-    if plan.cell_previous >= 0:
-        agenda.cell_next[plan.cell_previous] = behind
-    else:
-        agenda.cells[plan.cell] = behind
-    if behind >= 0:
-        agenda.plans[behind].cell_previous = plan.cell_previous
+    bucket, clock = agenda.cells[agenda.plans[i].cell], agenda.clock[0]
+    count = bucket[COUNT]
+    for k in range(count):
+        if bucket[k] == i:
+            bucket[k] = bucket[count - 1]
+            bucket[COUNT] = count - 1
+            return
+    spilled = agenda.lists[SPILLED]
+    k = 0
+    while spilled[k] != i:
+        k += 1
+    clock.spilled -= 1
+    spilled[k] = spilled[clock.spilled]
 
 
 @kernel(inline=True)
@@ -96,16 +138,18 @@ def _time_along(x, v, width, slack):
 
 @kernel(inline=True)
 def list_neighbours(agenda, cell, old):
-    """List the particles of a cell and those around it; return their number.
+    """List the particles of a cell and those around it in `Agenda.near`; return their number.
 
-    Unless ``old`` is negative, the cells in and around that cell are left out.
+    Unless ``old`` is negative, the cells in and around that cell are left out. Particles without
+    room in their cell are listed in any case.
     """
-    bits = agenda.clock[0].bits
+    clock, cells, near = agenda.clock[0], agenda.cells, agenda.near
+    bits = clock.bits
     mask = (1 << bits) - 1
     cy, cz, cx = cell & mask, (cell >> bits) & mask, cell >> (2 * bits)
     # One less than the old cell along each axis.
     oy, oz, ox = (old & mask) - 1, ((old >> bits) & mask) - 1, (old >> (2 * bits)) - 1
-    size = 0
+    size = np.int64(0)
     for dx in range(-1, 2):
         x = (cx + dx) & mask
         same_x = old >= 0 and ((x - ox) & mask) < 3
@@ -117,9 +161,10 @@ def list_neighbours(agenda, cell, old):
                 y = (cy + dy) & mask
                 if same_xz and ((y - oy) & mask) < 3:
                     continue
-                j = np.int64(agenda.cells[column | y])
-                while j >= 0:
-                    agenda.lists[NEIGHBOURS, size] = j
-                    size += 1
-                    j = np.int64(agenda.cell_next[j])
+                # What is copied beyond the particles of the cell is overwritten or not read.
+                _copy_bucket(near, size, cells, column | y)
+                size += cells[column | y, COUNT]
+    for k in range(clock.spilled):
+        near[size] = agenda.lists[SPILLED, k]
+        size += 1
     return size

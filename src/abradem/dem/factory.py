@@ -12,7 +12,6 @@ import math
 
 import numpy as np
 
-from abradem.dem.agenda import NEIGHBOURS
 from abradem.dem.cache import kernel
 from abradem.dem.cells import cell_of, enter_cell, list_neighbours
 from abradem.dem.counter_random import uniform
@@ -73,7 +72,7 @@ def _is_free_in_cells(problem, state, agenda, x, y, z):
     """
     cell = cell_of(agenda, x, y, z)
     for m in range(list_neighbours(agenda, cell, -1)):
-        other = state.particles[agenda.lists[NEIGHBOURS, m]]
+        other = state.particles[agenda.near[m]]
         place = (other.x, other.y, other.z)
         if other.motion == FLYING:
             place = flying_place(problem, other, state.tally[0].step)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from abradem.dem.agenda import LANDED, NEIGHBOURS, NEVER, enqueue
+from abradem.dem.agenda import LANDED, NEVER, enqueue
 from abradem.dem.bounds import (
     SAFETY,
     due_step,
@@ -79,7 +79,7 @@ def plan_pairs(problem, state, agenda, i, now):
     contact2 = 4.0 * radius * radius
     touched = 0
     for m in range(list_neighbours(agenda, plan.cell, old)):
-        j = agenda.lists[NEIGHBOURS, m]
+        j = np.int64(agenda.near[m])
         b = particles[j]
         if j == i or b.motion == GONE:
             continue
@@ -89,7 +89,7 @@ def plan_pairs(problem, state, agenda, i, now):
             distance2 = dot(apart, apart)
             speed = (vx - b.vx, vy - fall_speed(problem, b, now), vz - b.vz)
             if distance2 < contact2:
-                agenda.lists[NEIGHBOURS, touched] = j
+                agenda.near[touched] = j
                 touched += 1
             else:
                 meet = time_to_meet(reach * reach, apart, speed, distance2)

@@ -34,7 +34,6 @@ from abradem.dem import synchronous
 from abradem.dem.agenda import (
     DUE,
     LANDED,
-    NEIGHBOURS,
     NEVER,
     RING,
     borrowed_agenda,
@@ -43,7 +42,7 @@ from abradem.dem.agenda import (
 )
 from abradem.dem.borrow import borrowed_state
 from abradem.dem.cache import kernel
-from abradem.dem.cells import cell_of, enter_cell, leave_cell
+from abradem.dem.cells import cell_of, empty_cells, enter_cell, leave_cell
 from abradem.dem.factory import release_due
 from abradem.dem.flights import forget_meeting, plan_flights, plan_pairs
 from abradem.dem.mesh_contact import touch_surface
@@ -224,7 +223,7 @@ def _meet_due(problem, state, agenda, now):
         forget_meeting(state, plan, now)
         if min(plan.meet_due, plan.leave_due) <= now:
             for m in range(plan_pairs(problem, state, agenda, i, now)):
-                _begin(problem, state, agenda, i, lists[NEIGHBOURS, m], now)
+                _begin(problem, state, agenda, i, np.int64(agenda.near[m]), now)
         if plan.plate_due <= now:
             # It is stepped like the awake particles, which finds out whether it touches.
             _attend(problem, state, agenda, i, now)
@@ -412,9 +411,9 @@ def plan_all(problem, state, agenda):
     """Plan all particles from their positions at the current step; False if a row is full."""
     tally, clock, particles, pairs = state.tally[0], agenda.clock[0], state.particles, state.pairs
     agenda.queue[:] = -1
-    agenda.cells[:] = -1
+    empty_cells(agenda)
     clock.bits = 0
-    while 8**clock.bits < agenda.cells.size:
+    while 8**clock.bits < len(agenda.cells):
         clock.bits += 1
     clock.awake, flying = 0, 0
     for i in range(tally.live):
@@ -503,7 +502,7 @@ def _compact(state, agenda):
             plans[target[i]].meet_with = target[plans[target[i]].meet_with]
     compact(state)
     agenda.queue[:] = -1
-    agenda.cells[:] = -1
+    empty_cells(agenda)
     for i in range(tally.live):
         enter_cell(agenda, i, plans[i].cell)
         if plans[i].awake == 0:

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from abradem.dem.agenda import NEIGHBOURS, NEVER, SLOTS
+from abradem.dem.agenda import NEVER, SLOTS
 from abradem.dem.bounds import SAFETY, centre_distance2, due_step, time_to_reach
 from abradem.dem.cache import kernel
 from abradem.dem.cells import change_cell, distance_to_leave, list_neighbours
@@ -137,7 +137,7 @@ def _make_row(problem, state, agenda, i, now, touching):
     while True:
         until, first, size = now + steps, now + steps + 1, 0
         for m in range(count):
-            j = agenda.lists[NEIGHBOURS, m]
+            j = np.int64(agenda.near[m])
             b = particles[j]
             if j == i or b.motion == GONE:
                 continue
