@@ -19,6 +19,8 @@ from abradem.dem.bounds import (
 )
 from abradem.dem.cells import (
     distance_to_leave,
+    enter_cell,
+    leave_cell,
     list_neighbours,
     time_to_leave,
 )
@@ -316,6 +318,49 @@ def test_new_neighbours_are_those_that_were_not_near_before():
         for old in cells[:30]:
             new = set(listed(agenda, cell, old))
             assert new == set(listed(agenda, cell)) - set(listed(agenda, old))
+
+
+def test_particles_without_room_in_their_cell_are_found_from_everywhere():
+    """A cell holds seven; an eighth is in every search, and enters a cell when it moves on."""
+    _, _, agenda = placed_in_cells(64, 0, seed=0)
+    there, elsewhere = 0, 3
+    for i in range(10):
+        enter_cell(agenda, i, there)
+    assert agenda.clock["spilled"][0] == 3
+    assert sorted(listed(agenda, there)) == list(range(10))
+    # Cell 3 is beyond those beside cell 0.
+    assert sorted(listed(agenda, elsewhere)) == sorted(listed(agenda, there, there)) == [7, 8, 9]
+    for i in (8, 0, 6):
+        leave_cell(agenda, i)
+    assert sorted(listed(agenda, there)) == [1, 2, 3, 4, 5, 7, 9]
+    assert sorted(listed(agenda, elsewhere)) == [7, 9]
+    enter_cell(agenda, 0, there)
+    leave_cell(agenda, 7)
+    leave_cell(agenda, 9)
+    assert agenda.clock["spilled"][0] == 0 and listed(agenda, elsewhere) == []
+    assert sorted(listed(agenda, there)) == [0, 1, 2, 3, 4, 5]
+
+
+def test_a_heap_in_which_cells_have_no_room_gives_the_same_bits():
+    """Particles a period of the grid apart share cells: four columns of them fill these."""
+    case = dataclasses.replace(CASE, plate_angle=0.0, factory_angle=0.0)
+    agenda = make_agenda(make_problem(case, SMALL)[0], 64)
+    width = float(agenda.clock["width"][0])
+    columns, layers = [0.5 * width, 8.5 * width], 0.02 + 0.021 * np.arange(4)
+    x, y, z = (a.ravel() for a in np.meshgrid(columns, layers, columns))
+    rng = np.random.default_rng(5)
+    places = np.stack([x, y, z], axis=1) + 1e-4 * rng.uniform(-1.0, 1.0, (16, 3))
+    velocities = rng.normal(0.0, 0.2, (16, 3))
+    wide = dataclasses.replace(SMALL, plate_length=2.0, plate_width=2.0)
+    problem, schedule = make_problem(case, wide, (np.zeros(16), places, velocities))
+    most = 0
+    slow, fast = make_state(problem, 64), make_state(problem, 64)
+    for step in range(200, 8001, 200):
+        assert synchronous.advance(problem, schedule, slow, step) == DONE
+        assert islands.advance(problem, schedule, fast, agenda, step) == DONE
+        most = max(most, agenda.clock["spilled"][0])
+        assert_same(slow, fast)
+    assert most > 3
 
 
 @settings(max_examples=200, deadline=None, derandomize=True)

@@ -28,12 +28,15 @@ which it hands back. What is faster changes between these shares, see docs/notes
 SLACK = 0.1
 """Distance by which a particle may leave its cell, in radii."""
 
-FEW, FEW_SLACK, FEW_TALL = 256, 0.25, 4.0
+FEW, FEW_SLACK, FEW_TALL = 512, 0.4, 4.0
 """Room for particles up to which cells have this larger slack, and are taller than wide by this
 factor: a thin jet then falls through fewer cells, and few particles are in each."""
 
 RING = 4096
 """Number of slots of the queue, a power of two. Slot ``step % RING`` lists who is due at a step."""
+
+NUMBER = np.dtype(np.int32)
+"""Type of the numbers of particles in cells and in what a search finds."""
 
 BUCKET = 8
 """Numbers for each cell: the particles in it, and at last how many. Those that find no room are in
@@ -151,8 +154,8 @@ def make_agenda(problem: Problem, capacity: int, threads: int = 1) -> Agenda:
         awake=np.zeros(capacity, np.int64),
         rows=np.zeros((capacity, SLOTS), NEAR),
         queue=np.full(RING, -1),
-        cells=lined_up((8 ** _bits(capacity), BUCKET), np.int32),
-        near=np.zeros(capacity + BUCKET, np.int32),
+        cells=lined_up((8 ** _bits(capacity), BUCKET), NUMBER),
+        near=np.zeros(capacity + BUCKET, NUMBER),
         lists=np.zeros((3, capacity), np.int64),
         begun=np.zeros(8 * capacity, np.int64),
     )

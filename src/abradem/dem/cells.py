@@ -11,12 +11,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-
-from llvmlite import ir
-from numba.core import types
+from numba.core import cgutils, types
 from numba.extending import intrinsic
 
-from abradem.dem.agenda import BUCKET, SPILLED
+from abradem.dem.agenda import BUCKET, NUMBER, SPILLED
 from abradem.dem.bounds import first_time_beyond
 from abradem.dem.cache import kernel
 
@@ -35,11 +33,10 @@ def _copy_bucket(typing_context, near, size, cells, cell):
         target, size, source, cell = arguments
         near = context.make_array(signature.args[0])(context, builder, target)
         cells = context.make_array(signature.args[2])(context, builder, source)
-        numbers = ir.VectorType(ir.IntType(32), BUCKET).as_pointer()
-        first = builder.mul(cell, ir.Constant(cell.type, BUCKET))
-        bucket = builder.bitcast(builder.gep(cells.data, [first]), numbers)
-        place = builder.bitcast(builder.gep(near.data, [size]), numbers)
-        builder.store(builder.load(bucket, align=4), place, align=4)
+        count = cell.type(BUCKET)
+        place = builder.gep(near.data, [size])
+        bucket = builder.gep(cells.data, [builder.mul(cell, count)])
+        cgutils.raw_memcpy(builder, place, bucket, count, NUMBER.itemsize)
         return context.get_dummy_value()
 
     return types.void(near, types.int64, cells, types.int64), codegen
@@ -149,13 +146,20 @@ def list_neighbours(agenda, cell, old):
     cy, cz, cx = cell & mask, (cell >> bits) & mask, cell >> (2 * bits)
     # One less than the old cell along each axis.
     oy, oz, ox = (old & mask) - 1, ((old >> bits) & mask) - 1, (old >> (2 * bits)) - 1
+    # Where these hold, nothing is new in a column, or in a layer, that is also around the old cell.
+    same_y = old >= 0 and cy == ((oy + 1) & mask)
+    same_column = same_y and cz == ((oz + 1) & mask)
     size = np.int64(0)
     for dx in range(-1, 2):
         x = (cx + dx) & mask
         same_x = old >= 0 and ((x - ox) & mask) < 3
+        if same_x and same_column:
+            continue
         for dz in range(-1, 2):
             z = (cz + dz) & mask
             same_xz = same_x and ((z - oz) & mask) < 3
+            if same_xz and same_y:
+                continue
             column = ((x << bits) | z) << bits
             for dy in range(-1, 2):
                 y = (cy + dy) & mask

@@ -72,7 +72,7 @@ def plan_pairs(problem, state, agenda, i, now):
         old, plan.meet_with = -1, -1
         plan.meet_due = plan.meet_next = NEVER
     # The two earliest meetings.
-    first, second, partner = np.inf, np.inf, -1
+    first, second, partner = np.inf, np.inf, np.int64(-1)
     change_cell(agenda, i, x, y, z)
     leave = time_to_leave(agenda.clock[0], gravity, x, y, z, vx, vy, vz)
     reach = 2.0 * radius * (1.0 + SAFETY)

@@ -7,10 +7,11 @@ import math
 import numpy as np
 
 from abradem.dem.cache import kernel
+from abradem.dem.contact import make_law
 from abradem.dem.model import Case, ContactModel, Impact, Interaction, Material, Setup
 from abradem.dem.state import DONE, FLYING, make_problem, make_state
 from abradem.dem.synchronous import advance
-from abradem.elastic import hertz_duration
+from abradem.elastic import hertz_duration, sphere_mass
 
 CONVERGED_STEPS = 500
 """Steps per contact if no time step is given."""
@@ -23,13 +24,26 @@ _PLANE = 1e3
 _MOST_STEPS = 10_000_000
 
 
+# Outcome of an impact, SI; ``worn_friction`` is for a friction coefficient of 1.
+OUTCOME = np.dtype(
+    [("ended", np.bool_)]
+    + [
+        (name, np.float64)
+        for name in (
+            "contact_time", "overlap", "force", "vx", "vy", "wx", "wy", "wz",
+            "worn_total", "worn_sliding", "worn_friction",
+        )
+    ]
+)  # fmt: skip
+
+
 @kernel
-def _impact(problem, schedule, state, most_steps):
-    """Step until the contact is over; return (ended, contact time, max overlap, max force)."""
+def _impact(problem, schedule, state, outcome):
+    """Step the one particle of a schedule until its contact with the plate is over."""
     contact_time, largest_overlap, largest_force = 0.0, 0.0, 0.0
     before = -1.0
     tally, sphere = state.tally[0], state.particles[0]
-    for _ in range(most_steps):
+    for _ in range(_MOST_STEPS):
         if advance(problem, schedule, state, tally.step + 1) != DONE:
             break
         overlap = problem.radius - sphere.y
@@ -43,8 +57,29 @@ def _impact(problem, schedule, state, most_steps):
             contact_time += problem.dt * before / (before - overlap)
         before = overlap
         if contact_time > 0.0 and sphere.motion == FLYING:
-            return True, contact_time, largest_overlap, largest_force
-    return False, contact_time, largest_overlap, largest_force
+            outcome.ended = True
+            break
+    outcome.contact_time = contact_time
+    outcome.overlap = largest_overlap
+    outcome.force = largest_force
+    outcome.vx, outcome.vy = sphere.vx, sphere.vy
+    outcome.wx, outcome.wy, outcome.wz = sphere.wx, sphere.wy, sphere.wz
+    outcome.worn_total = tally.worn_total
+    outcome.worn_sliding = tally.worn_sliding
+    outcome.worn_friction = tally.worn_friction
+
+
+@kernel
+def _impacts_from(problem, schedule, state, blank, heights, outcomes):
+    """Impacts of the one particle of a schedule from several heights, each in a blank state.
+
+    One call for all: a call from Python costs more than an impact.
+    """
+    for k in range(heights.size):
+        state.tally[0] = blank.tally[0]
+        state.particles[0] = blank.particles[0]
+        schedule.position[0, 1] = heights[k]
+        _impact(problem, schedule, state, outcomes[k])
 
 
 def single_impact(
@@ -94,10 +129,22 @@ def single_impact(
     """
     if not 0.0 <= phase < 1.0:
         raise ValueError(f"phase = {phase!r} is outside [0, 1)")
-    return _impacts(
+    time_step, (found,) = _impacts(
         particle, radius, plate, interaction, speed, angle_deg, time_step, spin, gravity, contact,
         (phase,),
-    )[0]  # fmt: skip
+    )  # fmt: skip
+    return Impact(
+        normal_velocity=float(found["vy"]),
+        tangential_velocity=float(found["vx"]),
+        spin=np.array([found["wx"], found["wy"], found["wz"]]),
+        contact_time=float(found["contact_time"]),
+        max_overlap=float(found["overlap"]),
+        max_normal_force=float(found["force"]),
+        total=float(found["worn_total"]),
+        sliding=float(found["worn_sliding"]),
+        friction_work=float(found["worn_friction"]) * interaction.static_friction,
+        time_step=time_step,
+    )
 
 
 def _impacts(
@@ -112,8 +159,11 @@ def _impacts(
     gravity,
     contact,
     phases,
-) -> list[Impact]:
-    """Simulate impacts that differ in their phase alone, see `single_impact`."""
+) -> tuple[float, np.ndarray]:
+    """Simulate impacts that differ in their phase alone; return time step and outcomes.
+
+    The arguments are those of `single_impact`, the outcomes an array of `OUTCOME`.
+    """
     if not 0.0 <= angle_deg < 90.0:
         raise ValueError(f"angle_deg = {angle_deg!r} is outside [0, 90)")
     for name, value in (("radius", radius), ("speed", speed)):
@@ -139,53 +189,33 @@ def _impacts(
         particle_velocity_y=-approach,
     )
 
-    def problem_of(dt):
-        setup = Setup(
-            plate_length=2 * _PLANE,
-            plate_width=2 * _PLANE,
-            facet_size=2 * _PLANE,
-            removal_depth=_PLANE,
-            gravity=gravity,
-            contact=contact,
-            time_step=dt,
-        )
-        velocity = (speed * math.sin(angle), -approach, 0.0)
-        releases = ([0.0], [(0.0, radius, 0.0)], [velocity], [tuple(spin)])
-        return make_problem(case, setup, releases)
-
     if time_step is None:
-        probe, _ = problem_of(1.0)
-        time_step = hertz_duration(probe.plate_law.kn, probe.mass, approach) / CONVERGED_STEPS
+        mass = sphere_mass(radius, case.particle_density)
+        law = make_law(case.particle, case.plate, case.interaction, contact, radius, mass)
+        time_step = hertz_duration(law.kn, mass, approach) / CONVERGED_STEPS
     elif not (math.isfinite(time_step) and time_step > 0.0):
         raise ValueError(f"time_step must be finite and positive, got {time_step!r}")
-    problem, schedule = problem_of(time_step)
-    found = []
-    for phase in phases:
-        # The surfaces meet after the fraction 1 - phase of the first step.
-        schedule.position[0, 1] = radius + (1.0 - phase) * approach * time_step
-        found.append(_outcome(problem, schedule, interaction.static_friction))
-    return found
-
-
-def _outcome(problem, schedule, static_friction: float) -> Impact:
-    """Simulate the impact of the one particle of a schedule."""
-    state = make_state(problem, 1)
-    ended, contact_time, overlap, force = _impact(problem, schedule, state, _MOST_STEPS)
-    if not ended:
-        raise ValueError("the sphere did not leave the plane again")
-    sphere, tally = state.particles[0], state.tally[0]
-    return Impact(
-        normal_velocity=float(sphere["vy"]),
-        tangential_velocity=float(sphere["vx"]),
-        spin=np.array([sphere["wx"], sphere["wy"], sphere["wz"]]),
-        contact_time=contact_time,
-        max_overlap=overlap,
-        max_normal_force=force,
-        total=float(tally["worn_total"]),
-        sliding=float(tally["worn_sliding"]),
-        friction_work=float(tally["worn_friction"]) * static_friction,
-        time_step=problem.dt,
+    setup = Setup(
+        plate_length=2 * _PLANE,
+        plate_width=2 * _PLANE,
+        facet_size=2 * _PLANE,
+        removal_depth=_PLANE,
+        gravity=gravity,
+        contact=contact,
+        time_step=time_step,
     )
+    velocity = (speed * math.sin(angle), -approach, 0.0)
+    releases = ([0.0], [(0.0, radius, 0.0)], [velocity], [tuple(spin)])
+    problem, schedule = make_problem(case, setup, releases)
+    # The surfaces meet after the fraction 1 - phase of the first step.
+    heights = radius + (1.0 - np.array(phases)) * approach * time_step
+    outcomes = np.zeros(heights.size, OUTCOME)
+    _impacts_from(
+        problem, schedule, make_state(problem, 1), make_state(problem, 1), heights, outcomes
+    )
+    if not outcomes["ended"].all():
+        raise ValueError("the sphere did not leave the plane again")
+    return time_step, outcomes
 
 
 def step_bias(
@@ -223,13 +253,14 @@ def step_bias(
         return _impacts(
             case.particle, case.particle_radius, case.plate, case.interaction, speed, angle_deg,
             step, (0.0, 0.0, 0.0), 0.0, contact, phases,
-        )  # fmt: skip
+        )[1]  # fmt: skip
 
-    (fine,) = impacts(None, (0.5,))
-    coarse = impacts(time_step, _PHASES.tolist())
-    bias = {"total": float(np.mean([one.total for one in coarse])) / fine.total - 1.0}
-    mu = case.static_friction
-    if mu > 0.0:
-        error = float(np.mean([one.friction_work for one in coarse])) - fine.friction_work
-        bias["friction"] = error / max(fine.friction_work, SMALL_FRICTION * mu * fine.total)
+    fine, coarse = impacts(None, (0.5,)), impacts(time_step, _PHASES)
+    total = float(fine["worn_total"][0])
+    bias = {"total": float(np.mean(coarse["worn_total"])) / total - 1.0}
+    if case.static_friction > 0.0:
+        # Of the friction coefficient, by which all are divided, the bias is independent.
+        friction = float(fine["worn_friction"][0])
+        error = float(np.mean(coarse["worn_friction"])) - friction
+        bias["friction"] = error / max(friction, SMALL_FRICTION * total)
     return bias

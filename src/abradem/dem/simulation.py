@@ -36,7 +36,9 @@ from abradem.elastic import hertz_duration, sphere_volume
 if TYPE_CHECKING:
     from abradem.dem.parallel import Threads
 
-FIRST_CAPACITY = 64
+FIRST_CAPACITY = 256
+"""Room for particles at the beginning."""
+
 PARTICLES_IN_A_CALL = 2000
 """Largest product of particles present and samples in one kernel call."""
 
