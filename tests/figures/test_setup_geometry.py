@@ -10,7 +10,7 @@ from abradem.config import load_config, setup_dict, typical_case
 from abradem.dem.model import Setup
 from abradem.figures.film import frames, shot_of
 from abradem.figures.render import Camera
-from abradem.figures.render_surface import layers_of, picture_of_surface
+from abradem.figures.render_surface import in_front, layers_of, picture_of_surface
 from abradem.figures.setup import draw
 from abradem.figures.setup_geometry import placed_case
 from abradem.geometry.chute import transfer_chute
@@ -53,6 +53,13 @@ def test_a_wall_takes_its_cover_of_what_is_behind_it():
     near_blue = middle(both, [1.0], colours=colours)
     near_red = middle(both[[2, 3, 0, 1]], [1.0], colours=colours)
     np.testing.assert_allclose([near_blue, near_red], [[0, 0, 1], [1, 0, 0]], atol=1e-12)
+
+
+def test_what_is_in_front_is_the_nearest_wall_where_it_covers_the_other():
+    both = np.concatenate([wall(-0.05), wall(0.05)])
+    assert in_front(layers_of(CAMERA, both, NO_RIMS, FAR_PATCH), 4).tolist() == [0, 0, 1, 1]
+    aside = np.concatenate([wall(-0.05), 0.1 * wall(0.05)[:1]])
+    assert in_front(layers_of(CAMERA, aside, NO_RIMS, FAR_PATCH), 3).tolist() == [1, 1, 1]
 
 
 def test_a_particle_hides_what_is_behind_it_and_is_seen_through_a_wall():

@@ -101,6 +101,15 @@ def layers_of(
     )
 
 
+def in_front(layers: Layers, count: int) -> np.ndarray:
+    """Return which of ``count`` triangles are the nearest ones in most of their pixels."""
+    on_triangle = layers.face >= 0
+    pixel, face = layers.pixel[on_triangle], layers.face[on_triangle]
+    nearest = np.r_[pixel[1:] != pixel[:-1], True][: pixel.size]
+    seen = np.bincount(face[nearest], minlength=count)
+    return 2 * seen > np.bincount(face, minlength=count)
+
+
 def picture_of_surface(
     layers: Layers,
     colours: np.ndarray,

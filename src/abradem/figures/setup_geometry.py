@@ -18,7 +18,7 @@ from abradem.dem.model import Setup
 from abradem.dem.surface import Feed, Surface, cell_areas
 from abradem.figures import style
 from abradem.figures.render import Camera, patch_corners
-from abradem.figures.render_surface import Layers, layers_of, picture_of_surface
+from abradem.figures.render_surface import Layers, in_front, layers_of, picture_of_surface
 from abradem.figures.setup import framed, particle_tints, pixels_of, within_frame
 from abradem.figures.wear_colours import wear_colours
 from abradem.geometry.build import geometry_described, prepared
@@ -101,8 +101,9 @@ def geometry_figure(
         places = last[["x", "y", "z"]].to_numpy()
         whole = within_frame(camera, places, case["particle_radius"])
         top = float(depth[-1].max())
+        layers = layers_at(scene, camera, times[-1])
         image = drawn(
-            layers_at(scene, camera, times[-1]), depth[-1], top if top > 0.0 else 1.0,
+            layers, depth[-1], top if top > 0.0 else 1.0,
             places[whole], case["particle_radius"],
             particle_tints(last["particle"])[whole],
         )  # fmt: skip
@@ -114,7 +115,7 @@ def geometry_figure(
             0.02, 0.985, f"{style.letter(0)} set-up at {times[-1]:.3g} s",
             transform=space.transAxes, va="top", fontsize=8.0,
         )  # fmt: skip
-        _name_parts(figure, space, camera, scene, times[-1])
+        _name_parts(figure, space, camera, scene, times[-1], in_front(layers, len(depth[-1])))
         side = figure.add_axes(_SIDE)
         _draw_side(side, scene, case)
         side.set_title(f"{style.letter(1)} from the side, along $-z$", loc="left")
@@ -151,9 +152,12 @@ def drawn(
 
 
 def _name_parts(
-    figure: Figure, space: Axes, camera: Camera, scene: PlacedCase, time: float
+    figure: Figure, space: Axes, camera: Camera, scene: PlacedCase, time: float, front: np.ndarray
 ) -> None:
-    """Write the names of the parts and of the factory beside the picture, with leaders."""
+    """Write the names of the parts and of the factory beside the picture, with leaders.
+
+    A leader ends on a cell of its part with nothing before it (``front``), if there is one.
+    """
     surface = scene.surface
     area = cell_areas(surface)
     middle = corners_at(surface, time).mean(axis=1)
@@ -162,6 +166,7 @@ def _name_parts(
     anchors = []
     for part in named:
         cells = np.flatnonzero(surface.part == part)
+        cells = cells[front[cells]] if front[cells].any() else cells
         pixels = camera.project(middle[cells])
         # The cell of the part that is farthest to the right of its middle, but not at its end.
         reach = np.quantile(pixels[:, 0], 0.8)

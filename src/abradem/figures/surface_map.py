@@ -108,6 +108,8 @@ def surface_map_figure(surface: Surface, cells: pd.DataFrame, measure: str) -> F
             colours, cax=figure.add_axes(bar_place), extend="max" if top < rate.max() else "neither"
         )
         bar.outline.set_linewidth(0.6)
+        # Short labels leave room for the words.
+        bar.locator = matplotlib.ticker.MaxNLocator(7, steps=[1, 2, 5, 10])
         bar.set_label(f"Depth rate ({style.scaled_unit(power, 'mm/s')})", fontsize=7.0)
         words = (
             f"wear measure: {measure}; grey: cells without wear; largest depth rate "
