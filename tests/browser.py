@@ -11,6 +11,7 @@ PATIENCE = 600
 
 ROOMS = {
     "desktop": (1366, 768), "wide": (1920, 1080), "large": (2560, 1440), "phone": (390, 844),
+    "small phone": (360, 740),
 }  # fmt: skip
 
 
@@ -62,7 +63,7 @@ def opened(page, ready=None):
 def show(driver, room):
     """Give the page the size of a screen."""
     width, height = ROOMS[room]
-    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": room == "phone"}
+    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": "phone" in room}
     command = {"cmd": "Emulation.setDeviceMetricsOverride", "params": screen}
     driver.execute("executeCdpCommand", command)
 

@@ -247,7 +247,10 @@ def test_a_cell_may_carry_its_unit(tmp_path):
         ("plate_angle [steep]\n1\n", "unit 'steep' is unknown"),
         ('plate_angle\n"1\n', "not a CSV table"),
         ("plate_angle\n1\0\n", "it contains a zero byte"),
-        ("\ufeffplate_angle\n\udcff\n", "not a CSV table"),
+        ("\ufeffplate_angle\n\udcff\n", "line 2 is not UTF-8 text (byte 0xff); save it as UTF-8"),
+        ("plate_angle (\udcb0)\n1\n", "line 1 is not UTF-8 text (byte 0xb0); save it as UTF-8"),
+        ("\x1f\udc8b\x08plate_angle\n1\n", "is a packed file or a workbook"),
+        ("PK\x03\x04plate_angle\n1\n", "is a packed file or a workbook"),
     ],
 )
 def test_what_is_unclear_is_one_line(tmp_path, text, words):

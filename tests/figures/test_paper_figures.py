@@ -215,6 +215,24 @@ def test_the_set_up_says_that_feed_may_be_lost(monkeypatch):
     assert "at most 4 kg/s" in texts(figure)
 
 
+@pytest.mark.parametrize(
+    ("acts", "angle", "lowered"),
+    [("arc", -60.0, True), ("arc", 0.0, False), ("tilt", -60.0, False), ("level", -60.0, False)],
+)
+def test_the_set_up_says_why_its_fall_height_is_not_that_of_the_study(
+    acts, angle, lowered, monkeypatch
+):
+    """On an arc of 200 mm radius the factory is 100 mm lower at 60 deg."""
+    monkeypatch.setattr(style, "DPI", 60)
+    setup = replace(SETUP, angle_acts=acts, arc_radius=0.2, fall_height=0.25)
+    case = {**CASE, "factory_angle": angle}
+    figure = setup_figure(particles(3), np.zeros(setup.facets), 1.0, case, setup, "friction")
+    words = texts(figure)
+    assert f"$H$ = {150 if lowered else 250} mm" in words
+    assert ("that of the case: 250 mm at " in words) is lowered
+    assert ("down an arc of 200 mm radius" in words) is lowered
+
+
 def test_particles_cut_by_the_frame_are_not_within_it():
     """At the centre of the picture, at its edge, and half a radius inside the edge."""
     half = 0.5 * CAMERA.width / CAMERA.height

@@ -10,7 +10,7 @@ import geometry_tables
 import numpy as np
 import pandas as pd
 import pytest
-from browser import ROOMS, log, opened, settle, show
+from browser import ROOMS, log, opened, settle, show, wait_for
 from tables import product_law
 
 from abradem.learning.physical.distil import Settings
@@ -295,6 +295,33 @@ def test_the_page_fits_the_screen(browser, room, tmp_path):
     # The map and all curves are drawn.
     drawings = browser.find_elements("css selector", "#map .main-svg, #curves .main-svg")
     assert len(drawings) >= 2
+
+
+def test_titles_of_the_small_curves_do_not_overlap_on_a_turned_telephone(browser):
+    """The page was drawn for a wide screen, and its panels follow."""
+    show(browser, "large")
+    wait_for(browser, "return document.getElementById('curves').dataset.columns === '5'")
+    for room, columns in (("phone", 2), ("wide", 5)):
+        show(browser, room)
+        wait_for(
+            browser, f"return document.getElementById('curves').dataset.columns === '{columns}'"
+        )
+        settle(browser)
+        boxes = browser.execute_script(
+            "return [...document.querySelectorAll('#curves [class$=title] text')]"
+            ".map((one) => one.getBoundingClientRect())"
+        )
+        assert len(boxes) == len(SAMPLED)
+        for one, other in itertools.combinations(boxes, 2):
+            apart = one["right"] < other["left"] or other["right"] < one["left"]
+            assert apart or one["bottom"] <= other["top"] or other["bottom"] <= one["top"], room
+
+
+def test_the_command_has_no_digits_of_the_processor(browser):
+    """22.6 / 1000 is 0.022600000000000002."""
+    type_value(browser, "particle_radius", "22.6")
+    settle(browser)
+    assert "particle_radius=0.0226 " in browser.find_element("id", "command").text
 
 
 def test_nothing_leaves_the_page_and_nothing_goes_wrong(browser):

@@ -80,6 +80,14 @@ def test_the_answer_is_true_without_good_scores(scores, words):
     assert words in said and "paper's" not in said and "noise" not in said
 
 
+@pytest.mark.parametrize(("best", "held"), [(0.929, False), (0.94, True), (0.95, False)])
+def test_a_score_above_the_limit_and_within_its_interval_is_said_to_be(best, held):
+    """The limit is an estimate: 93.0 % (91.0 to 94.7 %)."""
+    said = answer(SUMMARY, same_splits(comparison({"power_law": best})), NOISE)
+    end = "limits any model to 93.0 % (91.0 to 94.7 %)"
+    assert said.endswith(f"{end}{', an interval that holds the score of the best' * held}.")
+
+
 def test_failures_and_flags_are_counted_with_their_reasons():
     assert what_failed(SUMMARY) == (
         "4 of 200 cases gave no rate (3 × largest overlap <5 %; 1 × no steady state; table "

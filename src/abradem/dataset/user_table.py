@@ -168,12 +168,19 @@ def _read_csv(path: Path) -> tuple[pd.DataFrame, str]:
     content = path.read_bytes()
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise TableError(f"{path}: is UTF-16 text; save it as UTF-8")
+    if content.startswith((b"\x1f\x8b", b"PK\x03\x04")):
+        raise TableError(f"{path}: is a packed file or a workbook; save the table as CSV")
     if b"\0" in content:
-        raise TableError(f"{path}: not a CSV table (it contains a zero byte)")
+        raise TableError(f"{path}: not a CSV table (it contains a zero byte); save it as UTF-8")
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise TableError(f"{path}: not a CSV table ({error})") from None
+        # Places are counted behind a byte order mark.
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise TableError(
+            f"{path}: line {line} is not UTF-8 text (byte 0x{error.object[error.start]:02x}); "
+            "save it as UTF-8"
+        ) from None
     # The first line by which Excel says how columns are separated.
     said = re.match(r"sep=(.)\r?\n", text)
     if said:

@@ -288,9 +288,18 @@ def _words(particles: pd.DataFrame, case: Mapping[str, float], setup: Setup, mea
     )
     if setup.unplaced == "skip":
         rate = f"at most {rate}"
+    here, _ = setup.patch_place(case["factory_angle"])
+    if here == setup.fall_height:
+        lowered = ""
+    else:
+        angle = _symbol("factory_angle")
+        lowered = (
+            f"$H$ is that of the case: {_number(1e3 * setup.fall_height)} mm at {angle} = 0, from "
+            f"where the factory moves down an arc of {_number(1e3 * setup.arc_radius)} mm radius; "
+        )
     return (
         f"{len(particles)} particles of {_number(1e3 * case['particle_radius'])} mm radius, "
-        f"{rate}; all other quantities in the middle of their ranges; "
+        f"{rate}; {lowered}all other quantities in the middle of their ranges; "
         f"{_symbol('archard_constant')} = {style.number(case['archard_constant'])} 1/Pa; "
         f"wear measure: {measure}; particles at the edge of (a) are left out"
     )

@@ -112,8 +112,9 @@ def answer(summary: Mapping, models: pd.DataFrame, noise: Mapping | None) -> str
         )
         low, high = noise["r2_floor_band"]
         if is_number(low) and is_number(high):
-            # The limit is an estimate, so a score may lie above it.
             said += f" ({100.0 * max(low, 0.0):.1f} to {percentage(high, '.1f')})"
+            if noise["r2_floor"] < best["r2"] <= high:
+                said += ", an interval that holds the score of the best"
     return f"{said}."
 
 

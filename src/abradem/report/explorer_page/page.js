@@ -283,14 +283,32 @@
       `${rate.place} against ${one.label}, with ${percent(state.confidence)} intervals; now ${short(predictions[state.place].rate)} mm/s`);
   }
 
+  const columnsOfCurves = () => Math.max(2, Math.min(5, Math.floor(at("curves").clientWidth / 190)));
+
+  // The title of a small panel: words on lines of at most so many letters, the unit on its own.
+  function lines(one, letters) {
+    const found = [""];
+    for (const word of one.label.split(" ")) {
+      const last = found.length - 1;
+      if (found[last] && `${found[last]} ${word}`.length > letters) found.push(word);
+      else found[last] = `${found[last]} ${word}`.trim();
+    }
+    const unit = unitText(one.shown_unit);
+    return unit ? [...found, `(${unit})`] : found;
+  }
+
   function drawCurves(predictions) {
     const varied = data.quantities.filter(({ fixed }) => !fixed);
-    const width = at("curves").clientWidth;
-    const columns = Math.max(2, Math.min(5, Math.floor(width / 190)));
+    const columns = columnsOfCurves();
     const rows = Math.ceil(varied.length / columns);
+    // A letter is some 6 px wide; axis and curve take 111 px, tick labels 36, a line of a title 14.
+    const letters = Math.floor((at("curves").clientWidth - 60) / columns / 6);
+    const titles = varied.map((one) => lines(one, letters));
+    const under = 36 + 14 * Math.max(...titles.map(({ length }) => length));
+    const height = 111 + under;
     const rate = Model.rates[state.place];
     const layout = {
-      font: { ...FONT, size: 11 }, showlegend: false, height: 175 * rows + 20,
+      font: { ...FONT, size: 11 }, showlegend: false, height: height * rows + 20,
       margin: { l: 52, r: 8, t: 6, b: 10 }, annotations: [],
     };
     const all = [];
@@ -302,11 +320,11 @@
       const top = 1 - line / rows;
       layout[`xaxis${number}`] = {
         domain: [left, (column + 1) / columns - gap / 2], anchor: `y${number}`, fixedrange: true, nticks: 4,
-        type: one.decades ? "log" : "linear", title: { text: title(one).replace(/ \((?=[^(]*$)/, "<br>("), standoff: 2, font: { size: 11 } },
+        type: one.decades ? "log" : "linear", title: { text: titles[place].join("<br>"), standoff: 2, font: { size: 11 } },
         ...(one.decades ? { dtick: 1 } : {}), exponentformat: "power",
       };
       layout[`yaxis${number}`] = {
-        domain: [top - 1 / rows + 64 / (175 * rows), top - 0.01], anchor: `x${number}`, fixedrange: true,
+        domain: [top - 1 / rows + under / (height * rows), top - 0.01], anchor: `x${number}`, fixedrange: true,
         type: "log", dtick: 1, exponentformat: "power", showticklabels: column === 0,
         ...(place ? { matches: "y" } : {}),
       };
@@ -314,6 +332,7 @@
       all.push(...traces(one, rate, SMALL_POINTS, axes, predictions[state.place].rate));
     });
     Plotly.react("curves", all, layout, { ...SETTINGS, staticPlot: true });
+    at("curves").dataset.columns = columns;
     at("curves").setAttribute("aria-label", `${rate.place} against each of ${varied.length} quantities`);
   }
 
@@ -339,7 +358,8 @@
   }
 
   function drawCommand() {
-    const values = data.quantities.map(({ name }) => `${name}=${state.values[name]}`);
+    // 22.6 mm are 0.0226 m, and not 0.022600000000000002, as a processor divides.
+    const values = data.quantities.map(({ name }) => `${name}=${Number(state.values[name].toPrecision(15))}`);
     const options = [`--model ${data.model}`, `--confidence ${state.confidence}`, `--depth ${state.depth}mm`];
     if (Model.maps) options.push("--map map.png");
     at("command").textContent = ["abradem predict", ...values, ...options].join(" \\\n  ");
@@ -431,6 +451,10 @@
         getSelection().selectAllChildren(at("command"));
         at("copied").textContent = "selected; press Ctrl+C";
       }
+    });
+    // A telephone that is turned has room for another number of panels.
+    addEventListener("resize", () => {
+      if (Number(at("curves").dataset.columns) !== columnsOfCurves()) update();
     });
     setAll(Object.fromEntries(data.quantities.map((one) => [one.name, middle(one)])));
   }
