@@ -17,6 +17,7 @@ from abradem.cases.sweep import MOST_CASES, combinations, predict_cases, simulat
 from abradem.dem.model import Setup
 from abradem.figures.sweep import sweep_figure
 from abradem.quantities import SAMPLED_NAMES, stderr_column
+from abradem.store.errors import TableError
 from abradem.surrogate.groups import Jet
 from abradem.surrogate.model import Surrogate
 
@@ -130,6 +131,20 @@ def test_an_interrupted_sweep_goes_on_and_ends_in_the_same_bits(monkeypatch, cas
     every = list(zip(cases["plate_angle"], cases["particle_radius"], strict=True))
     assert [*first, *second, *third] == every and len(third) == 1 and done == [5, 6]
     pd.testing.assert_frame_equal(table, simulate_cases(cases, SETUP, 7), check_exact=True)
+
+
+def test_a_full_disk_and_a_folder_are_named(tmp_path):
+    full = tmp_path / "s.csv.finished"
+    full.symlink_to("/dev/full")
+    with (
+        pytest.raises(OSError, match=f"No space left on device: '{full}'"),
+        KeptRows(full, "code") as kept,
+    ):
+        kept.add("key", {"rate": 1.0})
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    with pytest.raises(TableError, match=f"^{folder}: is a folder"):
+        KeptRows(folder, "code")
 
 
 @pytest.mark.parametrize("changed", ["setup", "seed", "options", "code", "case"])

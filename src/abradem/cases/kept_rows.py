@@ -10,6 +10,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO
 
+from abradem.store.errors import TableError
+from abradem.store.files import errors_naming
+
 
 class KeptRows:
     """Finished rows in a file of JSON lines, one for each case, written when the case ends.
@@ -27,6 +30,8 @@ class KeptRows:
 
     def __init__(self, path: Path | None = None, code: str = ""):
         self.path, self.code = path, code
+        if path is not None and path.is_dir():
+            raise TableError(f"{path}: is a folder; the finished cases of the sweep are kept there")
         self._rows = _read(path) if path is not None and path.is_file() else {}
         self._file: IO[bytes] | None = None
 
@@ -40,7 +45,9 @@ class KeptRows:
         trace: TracebackType | None,
     ) -> None:
         if self._file is not None:
-            self._file.close()
+            # Closing writes again what did not fit on a full disk.
+            with errors_naming(self.path):
+                self._file.close()
             self._file = None
 
     def key(self, case: Mapping, setup: Mapping, options: Mapping) -> str:
@@ -56,14 +63,15 @@ class KeptRows:
         """Keep a row; it is on the disk when this returns."""
         if self.path is None:
             return
-        if self._file is None:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = open(self.path, "ab")
-            # After a line that was cut.
-            self._file.write(b"\n")
-        self._file.write(json.dumps({"key": key, "row": row}).encode() + b"\n")
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        with errors_naming(self.path):
+            if self._file is None:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                self._file = open(self.path, "ab")
+                # After a line that was cut.
+                self._file.write(b"\n")
+            self._file.write(json.dumps({"key": key, "row": row}).encode() + b"\n")
+            self._file.flush()
+            os.fsync(self._file.fileno())
 
     def remove(self) -> None:
         """Remove the file; the rows are in the table of the sweep."""

@@ -28,6 +28,17 @@ MOST_OF_A_REASON = 300
 
 
 @contextlib.contextmanager
+def errors_naming(path: str | Path) -> Iterator[None]:
+    """Let an error of the file system in the block name ``path``: a full disk names no file."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise type(error)(error.errno, os.strerror(error.errno), str(path)) from error
+
+
+@contextlib.contextmanager
 def replacing(path: str | Path) -> Iterator[IO[bytes]]:
     """Open a binary file that replaces ``path`` if the block succeeds, and is removed otherwise.
 
@@ -39,15 +50,12 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
     _remove_left(path)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        with open(temporary, "wb") as sink:
-            yield sink
-            sink.flush()
-            os.fsync(sink.fileno())
-        os.replace(temporary, path)
-    except OSError as error:
-        if error.errno is None:
-            raise
-        raise type(error)(error.errno, os.strerror(error.errno), str(path)) from error
+        with errors_naming(path):
+            with open(temporary, "wb") as sink:
+                yield sink
+                sink.flush()
+                os.fsync(sink.fileno())
+            os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
 
