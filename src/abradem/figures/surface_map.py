@@ -164,10 +164,13 @@ def _space(panel, surface: Surface, faces: np.ndarray, azimuth: float) -> None:
         limits(at - reach, at + reach)
     panel.set_box_aspect(half, zoom=0.92)
     panel.view_init(ELEVATION, azimuth)
-    for label, words in zip(
-        (panel.set_xlabel, panel.set_ylabel, panel.set_zlabel), ("$x$", "$-z$", "$y$"), strict=True
+    for label, words, away in (
+        (panel.set_xlabel, "$x$", -6.0),
+        (panel.set_ylabel, "$-z$", -6.0),
+        # Its numbers stand between the label and the axis.
+        (panel.set_zlabel, "$y$", -2.0),
     ):
-        label(f"{words} (mm)", fontsize=6.5, labelpad=-6.0)
+        label(f"{words} (mm)", fontsize=6.5, labelpad=away)
     for axis in (panel.xaxis, panel.yaxis, panel.zaxis):
         axis.set_major_locator(matplotlib.ticker.MaxNLocator(3))
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
