@@ -19,7 +19,7 @@ class Batches:
         self.stream = io.StringIO()
         self.monitor = Monitor(root / ".finished", self.stream)
         self.batches = {
-            name: BatchOfCases(4, root / f"{name}.parquet", root / ".finished" / name, [30.0] * 4)
+            name: BatchOfCases(root / f"{name}.parquet", root / ".finished" / name, [30.0] * 4)
             for name in "ab"
         }
 

@@ -368,7 +368,6 @@ def cases_to_simulate(job):
 def batch_of(job):
     """The batch of cases of a job, for the progress monitor."""
     return BatchOfCases(
-        cases=cases_to_simulate(job),
         runs=Path(job.output.runs),
         finished=Path(job.params.finished),
         seconds=seconds_of_cases(job.wildcards),

@@ -28,8 +28,6 @@ class BatchOfCases:
 
     Parameters
     ----------
-    cases : int
-        Number of cases.
     runs : path
         The ``runs`` table.
     finished : path
@@ -38,10 +36,14 @@ class BatchOfCases:
         Estimated computing time of each case, s, in the order in which they are simulated.
     """
 
-    cases: int
     runs: Path
     finished: Path
     seconds: Sequence[float]
+
+    @property
+    def cases(self) -> int:
+        """Number of cases."""
+        return len(self.seconds)
 
     def work_of(self, cases: int, running: float = 0.0) -> float:
         """Estimated computing time of its first cases, s.
@@ -139,7 +141,6 @@ class Monitor:
         self.total = total
         self._done = self.total - sum(batch.cases for batch in batches.values())
         self._worked = self._running = 0.0
-        self._seen = {}
         self._work = sum(batch.work_of(batch.cases) for batch in batches.values())
         self.folder.mkdir(parents=True, exist_ok=True)
         self._mark.write_text("", encoding="utf-8")
