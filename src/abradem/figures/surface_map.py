@@ -20,6 +20,7 @@ from abradem.figures import style
 from abradem.figures.wear_colours import WEAR_MAP
 from abradem.geometry.build import case_surface
 from abradem.geometry.outline import outline
+from abradem.geometry.shape import cross_products
 from abradem.geometry.unrolled import FlatPart, unrolled_part
 from abradem.units import MM_PER_M
 
@@ -134,14 +135,13 @@ def _top(rate: np.ndarray, area: np.ndarray) -> float:
 
 def _azimuth(surface: Surface, rate: np.ndarray) -> float:
     """The one of `AZIMUTHS` from which most of the worn volume is seen, if nothing hides it."""
-    a, b, c = (surface.vertices[surface.triangles[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
+    across = cross_products(surface.vertices, surface.triangles)
 
     def seen(azimuth: float) -> float:
         up, turn = np.radians([ELEVATION, azimuth])
         # Axes x, -z and y of the view.
         towards = np.array([np.cos(up) * np.cos(turn), np.sin(up), -np.cos(up) * np.sin(turn)])
-        return float(rate @ np.abs(normals @ towards))
+        return float(rate @ np.abs(across @ towards))
 
     return max(AZIMUTHS, key=seen)
 

@@ -17,6 +17,7 @@ from abradem.geometry.shape import (
     combined,
     degenerate,
     given_twice,
+    largest_extent,
     selected,
     welded,
 )
@@ -65,7 +66,7 @@ def read_mesh(path: str | Path, unit: str, up: str = "z", repair: bool = False) 
     shape = _loaded(path)
     if not np.isfinite(shape.vertices).all():
         raise GeometryError(f"{path}: a coordinate is not a finite number (allowed: numbers)")
-    _check_extent(path, float(np.ptp(shape.vertices, axis=0).max()), unit)
+    _check_extent(path, largest_extent(shape.vertices), unit)
     vertices = UNITS[unit] * shape.vertices @ UPS[up].T
     return _clean(path, welded(shape._replace(vertices=vertices)), repair)
 

@@ -49,6 +49,11 @@ def unit_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return across / np.linalg.norm(across, axis=1, keepdims=True)
 
 
+def largest_extent(vertices: np.ndarray) -> float:
+    """Return the largest extent along the axes, m."""
+    return float(np.ptp(vertices, axis=0).max())
+
+
 def centres(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Return the centroid of each triangle, shape (t, 3), m."""
     return vertices[triangles].mean(axis=1)
@@ -79,7 +84,7 @@ def welded(shape: Shape) -> Shape:
 
     Contacts on a seam need to know which triangles meet there.
     """
-    extent = float(np.ptp(shape.vertices, axis=0).max())
+    extent = largest_extent(shape.vertices)
     grid = np.round(shape.vertices / (WELD * extent)).astype(np.int64)
     _, first, inverse = np.unique(grid, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first, kind="stable")
@@ -98,7 +103,7 @@ def degenerate(shape: Shape) -> np.ndarray:
     """
     corners = shape.vertices[shape.triangles]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    extent = float(np.ptp(shape.vertices, axis=0).max())
+    extent = largest_extent(shape.vertices)
     return 2.0 * areas(shape.vertices, shape.triangles) <= WELD * extent * edges
 
 
@@ -149,7 +154,7 @@ def divided(shape: Shape, longest: float, most: int) -> Shape:
         if not long.any():
             return Shape(vertices, triangles, part, shape.names)
         if len(triangles) + long.sum() > most:
-            extent = float(np.ptp(shape.vertices, axis=0).max())
+            extent = largest_extent(shape.vertices)
             raise GeometryError(
                 f"facets of {longest / np.sqrt(2.0):g} m divide the surface, {extent:.4g} m large, "
                 f"into more than {most} triangles (allowed: larger facets)"

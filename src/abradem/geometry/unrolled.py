@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abradem.dem.surface import Surface
+from abradem.geometry.shape import cross_products, largest_extent
 
 FLAT = 1e-6
 """Largest distance from a plane of the vertices of a flat part, as a share of the extent of the
@@ -49,15 +50,15 @@ def unrolled_part(surface: Surface, part: int) -> FlatPart | None:
     FlatPart or None
         None if the part is not such a surface.
     """
-    corners = surface.vertices[surface.triangles[surface.part == part]]
-    extent = float(np.ptp(surface.vertices, axis=0).max())
-    found = _on_plane(corners, extent)
-    return _along_line(corners, extent) if found is None else found
+    triangles = surface.triangles[surface.part == part]
+    corners, extent = surface.vertices[triangles], largest_extent(surface.vertices)
+    across = cross_products(surface.vertices, triangles)
+    found = _on_plane(corners, across, extent)
+    return _along_line(corners, across, extent) if found is None else found
 
 
-def _on_plane(corners: np.ndarray, extent: float) -> FlatPart | None:
+def _on_plane(corners: np.ndarray, across: np.ndarray, extent: float) -> FlatPart | None:
     """Lay out triangles that are all in one plane."""
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal = across[np.argmax(np.linalg.norm(across, axis=1))]
     normal = normal / np.linalg.norm(normal)
     points = corners - corners[0, 0]
@@ -76,9 +77,8 @@ def _on_plane(corners: np.ndarray, extent: float) -> FlatPart | None:
     return FlatPart(np.stack([s - s.min(), w - (w.min() if name == "w" else 0.0)], axis=-1), name)
 
 
-def _along_line(corners: np.ndarray, extent: float) -> FlatPart | None:
+def _along_line(corners: np.ndarray, across: np.ndarray, extent: float) -> FlatPart | None:
     """Lay out triangles that are a line in the plane of x and y, swept along z."""
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     if np.any(np.abs(across[:, 2]) > STRAIGHT * np.linalg.norm(across, axis=1)):
         return None
     flat = corners[:, :, :2].reshape(-1, 2)
