@@ -46,7 +46,7 @@ class KeptRows:
     ) -> None:
         if self._file is not None:
             # Closing writes again what did not fit on a full disk.
-            with errors_naming(self.path):
+            with errors_naming(self._file.name):
                 self._file.close()
             self._file = None
 
