@@ -136,6 +136,16 @@ def test_the_time_left_falls_while_an_expensive_case_runs(study, clock):
     assert lines == ["6 min left", "5 min left", "3 min left", "4 min left"]
 
 
+def test_no_time_left_is_told_while_jobs_start(study, clock):
+    study.batches["a"] = replace(study.batches["a"], seconds=[0.01, 300.0, 20.0, 20.0])
+    study.begin()
+    clock(5.0)
+    study.run("a", finished=1)
+    assert study.monitor.line() == "simulations: 5 of 12 cases done"
+    clock(10.0)
+    assert study.monitor.line() == "simulations: 5 of 12 cases done, about 15 min left"
+
+
 def test_the_last_line_says_how_long_it_took(study):
     study.begin()
     study.end("a")

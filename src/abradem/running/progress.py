@@ -21,6 +21,10 @@ from typing import TextIO
 from abradem.running.job_log import CLEAR
 from abradem.simulation.batch import STARTED, finished_cases, resumed_cases
 
+LEAST_COMPUTED = 2.0
+"""Estimated computing time, s, that must be worked off before the time left is told: until then
+the start of the jobs decides it, and it would be hours."""
+
 
 @dataclass(frozen=True)
 class BatchOfCases:
@@ -184,7 +188,7 @@ class Monitor:
             return f"{text} in {duration((self._ended - self._began) / 1e9)}"
         worked = self._worked + self._running
         computed = worked - sum(self._resumed.values())
-        if computed > 0:
+        if computed >= LEAST_COMPUTED:
             elapsed = time.monotonic() - self._clock
             return f"{text}, about {duration(elapsed * (self._work - worked) / computed)} left"
         return text
