@@ -63,7 +63,7 @@ class Factory(Section):
         "mass", "Which rate is prescribed: mass per time or particles per time."
     )
     mass_rate_kg_s: float | None = setting(
-        45.0, "Mass rate for feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
+        43.0, "Mass rate for feed: mass, otherwise null.", unit="kg/s", gt=0.0, le=1e6
     )
     number_rate_per_s: float | None = setting(
         None, "Particle rate for feed: number, otherwise null.", unit="1/s", gt=0.0, le=1e9
@@ -101,11 +101,11 @@ class Contact(Section):
 
 
 class PairInteraction(Section):
-    """Contact between particles, if it differs from the contact between particle and plate."""
+    """Contact between particles; null: the sampled values of particle and plate apply."""
 
-    restitution: float = setting(..., "Coefficient of restitution.", ge=0.05, le=1.0)
-    static_friction: float = setting(..., "Coefficient of static friction.", ge=0.0, le=2.0)
-    rolling_friction: float = setting(..., "Coefficient of rolling friction.", ge=0.0, le=1.0)
+    restitution: float = setting(0.5, "Coefficient of restitution.", ge=0.05, le=1.0)
+    static_friction: float = setting(0.5, "Coefficient of static friction.", ge=0.0, le=2.0)
+    rolling_friction: float = setting(0.01, "Coefficient of rolling friction.", ge=0.0, le=1.0)
 
 
 class Stop(Section):
@@ -211,8 +211,9 @@ class Simulation(Section):
         quantities.GRAVITY, "Gravitational acceleration, downwards.", unit="m/s2", ge=0.0, le=1000.0
     )
     contact: Contact = Field(default_factory=Contact, description="Options of the contact law.")
-    pair_interaction: PairInteraction | None = setting(
-        None, "Contact between particles; null: the sampled values of particle and plate apply."
+    pair_interaction: PairInteraction | None = Field(
+        default_factory=PairInteraction,
+        description="Contact between particles; null: the sampled values of particle and plate.",
     )
     stop: Stop = Field(default_factory=Stop, description="When a simulation ends.")
     max_failed_share: float = setting(
