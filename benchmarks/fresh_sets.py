@@ -56,6 +56,8 @@ def one_division(given: WearProblem, train: np.ndarray, test: np.ndarray, folds:
     -------
     inside : list of float
         Share of the test rows inside the intervals of each level of `REPORTED`.
+    table : pandas.DataFrame
+        The shares by region, see `abradem.learning.physical.region_coverage.coverage_by_region`.
     verdict : dict
         On the shares by region, see `abradem.learning.physical.region_coverage.joint_summary`.
     scores : list of float
@@ -74,7 +76,7 @@ def one_division(given: WearProblem, train: np.ndarray, test: np.ndarray, folds:
         r2(given.log_number[test], mean),
     ]
     shares = [float(inside[level].mean()) for level in REPORTED]
-    return shares, joint_summary(table, joint), scores
+    return shares, table, joint_summary(table, joint), scores
 
 
 def main() -> None:
@@ -98,14 +100,13 @@ def main() -> None:
     for target in asked.targets:
         given = problem(rows, jet_of(setup_dict(config)), target)
         for size in sizes:
-            inside, verdicts, scores = [], [], []
+            inside, regions, verdicts, scores = [], [], [], []
             for division in range(asked.divisions):
                 order = np.random.default_rng(division).permutation(len(rows))
                 train, test = np.sort(order[TESTED:][:size]), np.sort(order[:TESTED])
                 found = one_division(given, train, test, folds, config.seed)
-                inside.append(found[0])
-                verdicts.append(found[1])
-                scores.append(found[2])
+                for kept, one in zip((inside, regions, verdicts, scores), found, strict=True):
+                    kept.append(one)
             in_band, expected, shares = (
                 np.array([one[key] for one in verdicts])
                 for key in ("in_band", "expected", "shares")
@@ -124,6 +125,13 @@ def main() -> None:
                     f"  {100 * level:g} %: {one.mean():.1f} % of the test cases inside, "
                     f"{one.min():.1f} to {one.max():.1f}"
                 )
+            for name, of in pd.concat(regions).groupby("region", sort=False):
+                count = of.groupby("level")["tested"].mean().iloc[0]
+                share = [
+                    f"{100 * np.average(one['coverage'], weights=one['tested']):.1f}"
+                    for _, one in of.groupby("level")
+                ]
+                print(f"  {name} ({count:.0f} cases): {', '.join(share)} % inside")
             for words, of in zip(
                 ("the wear", "ln(wear number)"), np.transpose(scores), strict=True
             ):

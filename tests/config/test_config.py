@@ -352,10 +352,6 @@ MALFORMED = {
         "study: a\nsimulation:\n  cases_per_job: 0\n",
         "config.yaml: simulation.cases_per_job: 0: is out of range (allowed auto or 1 ... 100000)",
     ),
-    "incomplete_pair_interaction": (
-        "study: a\nsimulation:\n  pair_interaction:\n    restitution: 0.35\n    static_friction: 0.56\n",
-        "config.yaml: simulation.pair_interaction.rolling_friction: (missing): is required (allowed 0 ... 1)",
-    ),
     "pair_interaction_as_a_word": (
         "study: a\nsimulation:\n  pair_interaction: same\n",
         'config.yaml: simulation.pair_interaction: "same": must be a section of keys (allowed restitution, static_friction, rolling_friction)',
@@ -893,6 +889,21 @@ def test_missing_key_belongs_to_the_first_file(write):
 
 def test_a_byte_order_mark_is_no_mistake(write):
     assert read_config(write(b"\xef\xbb\xbfstudy: a\n")).study == "a"
+
+
+@pytest.mark.parametrize(
+    ("given", "found"),
+    [
+        ("{restitution: 0.35}", (0.35, 0.5, 0.01)),
+        ("{static_friction: 0.3, rolling_friction: 0}", (0.5, 0.3, 0.0)),
+        ("null", None),
+    ],
+)
+def test_pairs_have_the_default_for_what_is_not_given_and_none_for_null(write, given, found):
+    text = f"simulation: {{pair_interaction: {given}}}\n"
+    for files in ([CONFIG, write(text, "over.yaml")], [write(f"study: a\n{text}", "alone.yaml")]):
+        pair = setup_dict(read_config(*files))["pair_interaction"]
+        assert (pair and tuple(pair.values())) == found
 
 
 def test_overlay_is_merged_deeply_and_lists_are_replaced(write):

@@ -186,7 +186,7 @@ def test_the_card_says_that_feed_may_be_lost(tmp_path):
     results.study = dataclasses.replace(results.study, setup=losing)
     results.publish()
     card = results.published()["README.md"].decode("utf-8")
-    assert "45 kg/s, less what finds no room at the factory (attempts: 3)" in card
+    assert "43 kg/s, less what finds no room at the factory (attempts: 3)" in card
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from abradem.learning.physical.distil import Settings, evaluate_surrogate, surro
 from abradem.learning.physical.gaussian_process import GaussianProcess
 from abradem.learning.physical.intervals import Conformal
 from abradem.learning.physical.local_wear import LocalWear, with_local_wear, with_meaning
-from abradem.learning.physical.noise_terms import terms
+from abradem.learning.physical.noise_terms import noise_terms
 from abradem.learning.physical.problem import problem
 from abradem.learning.physical.training_domain import with_domain
 from abradem.store.files import read_arrays, read_json
@@ -20,7 +20,7 @@ jet = jet_of(snakemake.params.setup)
 given = problem(read_table(snakemake.input.dataset), jet, **snakemake.params.table)
 settings = Settings(**snakemake.params.settings)
 results = evaluate_surrogate(given, settings, **snakemake.params.splits)
-process = GaussianProcess.of(read_arrays(snakemake.input.process), terms)
+process = GaussianProcess.of(read_arrays(snakemake.input.process), noise_terms)
 model = surrogate_of(
     given,
     process,

@@ -11,7 +11,7 @@ from abradem.dataset.variation import HELD_FIXED, NOT_IDENTIFIED, of_kind
 from abradem.learning.evaluation import Results
 from abradem.learning.physical.ensembles import Boosting, Networks
 from abradem.learning.physical.gaussian_process import GaussianProcess
-from abradem.learning.physical.noise_terms import terms
+from abradem.learning.physical.noise_terms import noise_terms
 from abradem.learning.physical.power_law import SHARES, PowerLaw
 from abradem.learning.physical.problem import WearProblem, problem
 from abradem.learning.physical.stacked import Stacked
@@ -51,7 +51,7 @@ def makers(
     """
 
     def process():
-        return GaussianProcess(seed, terms)
+        return GaussianProcess(seed, noise_terms)
 
     def boosted():
         return Boosting(**(boosting or {}), seed=seed)
