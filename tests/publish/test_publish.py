@@ -190,6 +190,25 @@ def test_the_card_says_that_feed_may_be_lost(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("pair", "words"),
+    [
+        (None, "Contacts between spheres have the same coefficients as contacts with the plate."),
+        (
+            {"restitution": 0.35, "static_friction": 0.56, "rolling_friction": 0.05},
+            "Contacts between spheres have a restitution of 0.35, a static friction of 0.56 and a "
+            "rolling friction of 0.05.",
+        ),
+    ],
+)
+def test_the_card_says_how_spheres_meet(tmp_path, pair, words):
+    results = Results(tmp_path)
+    setup = {**results.study.setup, "pair_interaction": pair}
+    results.study = dataclasses.replace(results.study, setup=setup)
+    results.publish()
+    assert words in results.published()["README.md"].decode("utf-8")
+
+
+@pytest.mark.parametrize(
     "text",
     [
         "Wear by {DEM} & 50 % of $x_1$",

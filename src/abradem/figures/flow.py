@@ -375,7 +375,13 @@ def _simulation(panel, setup: Setup) -> None:
         "plate_length", "plate_width", "facet_size", "patch_length", "patch_width", "fall_height",
         "removal_depth",
     )}  # fmt: skip
-    contact = setup.contact
+    contact, pair = setup.contact, setup.pair_interaction
+    pairs = (
+        "pairs of particles as particle and plate"
+        if pair is None
+        else f"pairs of particles: $e$ {pair.restitution:g}, $\\mu_s$ {pair.static_friction:g}, "
+        f"$\\mu_r$ {pair.rolling_friction:g}"
+    )
     step = (
         f"{setup.time_step_fraction:g} of the Rayleigh time"
         if setup.time_step is None
@@ -412,7 +418,7 @@ def _simulation(panel, setup: Setup) -> None:
     _box(
         panel, x_middle, y(2), wide, tall, "contact law and time step",
         f"Hertz–Mindlin, {_plain(contact.normal)}, {_plain(contact.tangential)} tangential "
-        f"spring;\nstep {step}",
+        f"spring;\n{pairs}; step {step}",
     )  # fmt: skip
     _box(
         panel, x_middle, y(3), wide, tall, "time integration",

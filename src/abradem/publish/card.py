@@ -131,10 +131,13 @@ def _making(said: Description) -> Iterable[str]:
         feed += f", less what finds no room at the factory (attempts: {setup['attempts']})"
     contact = ", ".join(f"{key}: {value}" for key, value in sorted(setup["contact"].items()))
     versions = ", ".join(f"{k} {v}" for k, v in sorted(said.versions["versions"].items()))
-    pair = (
+    pair = setup["pair_interaction"]
+    pairs = (
         "Contacts between spheres have the same coefficients as contacts with the plate."
-        if setup["pair_interaction"] is None
-        else f"Contacts between spheres have the coefficients {dict(setup['pair_interaction'])}."
+        if pair is None
+        else f"Contacts between spheres have a restitution of {pair['restitution']:g}, a static "
+        f"friction of {pair['static_friction']:g} and a rolling friction of "
+        f"{pair['rolling_friction']:g}."
     )
     return [
         "## How it was made",
@@ -143,7 +146,7 @@ def _making(said: Description) -> Iterable[str]:
         f"{1e3 * setup['patch_length']:g} x {1e3 * setup['patch_width']:g} mm, "
         f"{1e3 * setup['fall_height']:g} mm above the centre of a plate of {plate}. The feed is "
         f"{feed}. The contact model is Hertz-Mindlin with damping, Coulomb friction and rolling "
-        f"friction ({contact}). {pair} The time step is {setup['time_step_fraction']:g} of the "
+        f"friction ({contact}). {pairs} The time step is {setup['time_step_fraction']:g} of the "
         "Rayleigh time. The worn volume follows Archard's law: constant times normal force times "
         "sliding distance. Three wear measures differ in the distance: *total*, all tangential "
         "motion under load; *sliding*, the slip at Coulomb's limit, without what the damper takes; "

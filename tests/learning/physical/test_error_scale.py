@@ -89,7 +89,7 @@ def test_intervals_hold_on_gentle_slopes_where_errors_are_largest():
         one = np.quantile(observed.score, 0.8)
         one_width.append([(new <= one)[place].mean() for place in places])
     np.testing.assert_allclose(np.mean(local, axis=0), 0.8, atol=0.06)
-    flat, gentle, steep = np.mean(one_width, axis=0)
+    _, gentle, steep = np.mean(one_width, axis=0)
     assert gentle < 0.7 and steep > 0.87
 
 
