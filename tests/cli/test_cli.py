@@ -212,6 +212,24 @@ def test_wrong_arguments_are_one_line(arguments, message, capsys):
     assert message in one_line(capsys)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["predict", "--depth", "-5mm"], "--depth -5mm: must be positive"),
+        (["predict", "--depth", "-.5"], "--depth -.5: must be positive"),
+        (["simulate", "--duration", "-1s"], "--duration -1s: must be positive"),
+        (["predict", "-5mm"], "'-5mm' is not of the form NAME=VALUE"),
+        (["predict", "--bogus"], "unrecognized arguments: --bogus"),
+    ],
+)
+def test_a_negative_value_with_a_unit_is_a_value(arguments, message, capsys):
+    try:
+        assert main(arguments) == 2
+    except SystemExit as error:
+        assert error.code == 2
+    assert message in one_line(capsys)
+
+
 def test_version_is_that_of_the_package(capsys):
     with pytest.raises(SystemExit) as error:
         main(["--version"])

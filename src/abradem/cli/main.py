@@ -8,6 +8,7 @@ fails without memory.
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -61,6 +62,11 @@ def _is_of_the_user(error: Exception) -> bool:
 
 
 class _Parser(argparse.ArgumentParser):
+    def __init__(self, *args, **options):
+        super().__init__(*args, **options)
+        # -5mm is a value as -5 is, and not an unknown option: no option begins with a digit.
+        self._negative_number_matcher = re.compile(r"-\.?\d")
+
     def parse_args(self, args=None, namespace=None):
         # argparse takes positional words only where they are not interrupted by options.
         options, rest = self.parse_known_args(args, namespace)
