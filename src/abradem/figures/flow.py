@@ -377,9 +377,9 @@ def _simulation(panel, setup: Setup) -> None:
     )}  # fmt: skip
     contact, pair = setup.contact, setup.pair_interaction
     pairs = (
-        "pairs of particles as particle and plate"
+        "pairs: as particle and plate"
         if pair is None
-        else f"pairs of particles: $e$ {pair.restitution:g}, $\\mu_s$ {pair.static_friction:g}, "
+        else f"pairs: $e$ {pair.restitution:g}, $\\mu_s$ {pair.static_friction:g}, "
         f"$\\mu_r$ {pair.rolling_friction:g}"
     )
     step = (
