@@ -239,6 +239,28 @@ def test_the_surrogate_of_the_study_is_asked_if_it_is_there(capsys, asked, here)
     assert not [line for line in err if line.startswith("warning")]
 
 
+@pytest.mark.parametrize(
+    ("theirs", "given", "warned"),
+    [
+        ({"restitution": 0.5, "static_friction": 0.5, "rolling_friction": 0.01}, [], False),
+        (None, [], True),
+        (None, ["--set", "pair_interaction=null"], False),
+        ({"restitution": 0.5, "static_friction": 0.5, "rolling_friction": 0.01},
+         ["--set", "pair_interaction.restitution=0.4"], True),
+        ("not said", [], False),
+    ],
+)  # fmt: skip
+def test_a_surrogate_of_other_contacts_between_particles_warns(
+    capsys, asked, here, theirs, given, warned
+):
+    write_flat_surrogate(here / "s", jet_of(DEFAULT))
+    if theirs != "not said":
+        description = read_json(here / "s.json")
+        write_json({**description, "pair_interaction": theirs}, here / "s.json")
+    _, _, err = run(capsys, "simulate", "--model", here / "s", *given)
+    assert any("other contacts between particles" in line for line in err) == warned
+
+
 def test_a_surrogate_of_another_jet_or_range_warns(capsys, asked, here):
     write_flat_surrogate(here / "s", jet_of(DEFAULT))
     description = read_json(here / "s.json")
@@ -249,7 +271,7 @@ def test_a_surrogate_of_another_jet_or_range_warns(capsys, asked, here):
     _, out, err = run(capsys, "simulate", "--model", here / "s", *changed)
     assert out[-1].startswith(f"surrogate {here / 's'}: ")
     assert (
-        "warning: the surrogate was trained with another set-up: mass_rate 45.0 instead of 10.0"
+        "warning: the surrogate was trained with another set-up: mass_rate 43.0 instead of 10.0"
         in (err)
     )
     assert any("plate_angle = 80 deg: this quantity was held fixed" in line for line in err)

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from abradem.config import (
     Config,
     ConfigError,
+    contacts_of,
     documentation,
     explaining,
     jet_is_known,
@@ -1115,5 +1116,7 @@ def test_a_table_is_asked_what_it_means():
         assert words in estimate(Config(study="a", dataset=given), 2)
     known = Config(study="a", dataset={"external": "t.csv", "jet": "stated", "rate": "stated"})
     assert estimate(known, 2) == "a: learning from t.csv, nothing is simulated"
+    assert contacts_of(known) is None
+    assert contacts_of(Config(study="a"))["pair_interaction"]["rolling_friction"] == 0.01
     assert jet_is_known(known) and jet_is_known(Config(study="a"))
     assert not jet_is_known(Config(study="a", dataset={"external": "t.csv"}))

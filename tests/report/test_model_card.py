@@ -161,6 +161,28 @@ def test_what_is_not_known_of_a_table_is_said():
     assert card["ranges"][0]["configured"] is None and "<td class=n>-</td>" in page
 
 
+@pytest.mark.parametrize(
+    ("pair", "words"),
+    [
+        (None, [["contact of two particles", "as of particle and surface"]]),
+        (
+            {"restitution": 0.5, "rolling_friction": 0.01},
+            [
+                ["restitution of two particles", "0.5"],
+                ["rolling friction of two particles", "0.01"],
+            ],
+        ),
+    ],
+)
+def test_the_card_tells_how_particles_meet(pair, words):
+    card = model_card({**SURROGATE, "pair_interaction": pair}, INTERVALS, RANGES)
+    assert card["jet"]["pair_interaction"] == pair
+    cells = Rows(card_page(card)).cells
+    assert all(row in cells for row in words)
+    assert not any("two particles" in cell for row in Rows(card_page(
+        model_card(SURROGATE, INTERVALS, RANGES))).cells for cell in row)  # fmt: skip
+
+
 def test_the_card_of_a_geometry_names_its_kind_its_numbers_and_the_part():
     geometry = {"shape": {"kind": "arc", "radius": "arc_radius", "begin": 80.0, "end": 30.0,
                           "width": 0.3}}  # fmt: skip

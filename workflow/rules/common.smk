@@ -14,6 +14,7 @@ from abradem.config import (
     rate_options,
     setup_dict,
     target_dict,
+    contacts_of,
     jet_is_known,
     to_yaml,
     typical_case,

@@ -187,6 +187,7 @@ rule surrogate:
             "target_known": TARGET["known"],
             "cells": TARGET["cells"],
             "part": TARGET["part"],
+            "contacts": contacts_of(CONFIG),
         },
         code=code_of("physical/surrogate"),
     script:

@@ -34,6 +34,9 @@ class SurrogateBeside:
         ]
         if geometries[0] != geometries[1]:
             self.differences.append("another geometry")
+        pairs = surrogate.description.get("pair_interaction", own.setup["pair_interaction"])
+        if pairs != own.setup["pair_interaction"]:
+            self.differences.append("other contacts between particles (pair_interaction)")
 
     def say(self, values: Mapping[str, float], rates) -> None:
         """Print the predictions for a case beside its simulated rates, one line for each rate."""

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     )
     from abradem.config.reference import documentation, schema
     from abradem.config.values import (
+        contacts_of,
         jet_is_known,
         rate_options,
         sampled_ranges,
@@ -51,6 +52,7 @@ _LAZY = {
     "schema": "reference",
     "setup_dict": "values",
     "target_dict": "values",
+    "contacts_of": "values",
     "jet_is_known": "values",
     "to_yaml": "values",
     "typical_case": "values",
@@ -60,6 +62,7 @@ __all__ = [
     "COMMAND_LINE",
     "Config",
     "ConfigError",
+    "contacts_of",
     "documentation",
     "geometry_ranges",
     "jet_is_known",

@@ -99,6 +99,17 @@ def jet_is_known(config: Config) -> bool:
     return config.dataset.external is None or config.dataset.jet == STATED
 
 
+def contacts_of(config: Config) -> dict | None:
+    """Return how particles meet each other, for the surrogate to tell.
+
+    None if it is not known, as for a table from elsewhere; otherwise ``pair_interaction`` as in
+    `setup_dict`.
+    """
+    if config.dataset.external is not None:
+        return None
+    return {"pair_interaction": setup_dict(config)["pair_interaction"]}
+
+
 def setup_dict(config: Config) -> dict:
     """Return the arguments of `abradem.Setup` as plain JSON values, SI units.
 

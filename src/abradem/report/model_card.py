@@ -100,8 +100,10 @@ def model_card(
             f"another jet or {'plate' if geometry is None else 'geometry'} than "
             + ("the one below" if known else "that of the table, whatever it is")
             + (
-                ": feed, patch, fall height and plate are fixed" if geometry is None
-                else ": feed, patch, fall height and what was not sampled of the geometry are fixed"
+                ": feed, patch, fall height, plate and contacts between particles are fixed"
+                if geometry is None
+                else ": feed, patch, fall height, contacts between particles and what was not "
+                "sampled of the geometry are fixed"
             ),
             *NOT_INTENDED,
         ],
@@ -116,6 +118,10 @@ def model_card(
                 and not (geometry is not None and name in _OF_PLATE)
             },
             **({} if geometry is None else {"geometry": _geometry(geometry)}),
+            **(
+                {"pair_interaction": surrogate["pair_interaction"]}
+                if "pair_interaction" in surrogate else {}
+            ),
         },
         "targets": [_target(surrogate), *map(_local, surrogate.get("local", []))],
         "ranges": [_range(feature, ranges) for feature in surrogate["features"]],
@@ -278,6 +284,8 @@ def _jet(jet: Mapping) -> list[str]:
         rows += [
             (one["words"], f"{one['value']:.4g} {one['unit']}") for one in of["fixed"].values()
         ]
+    if "pair_interaction" in jet:
+        rows += _pairs(jet["pair_interaction"])
     if jet["known"]:
         return _table(("quantity", "value"), rows)
     return [
@@ -285,6 +293,14 @@ def _jet(jet: Mapping) -> list[str]:
         "reference, with which the dimensionless groups are computed.</p>",
         *_table(("quantity", "reference"), rows),
     ]
+
+
+def _pairs(pair: Mapping | None) -> list[tuple[str, str]]:
+    """Rows on contacts between particles."""
+    if pair is None:
+        return [("contact of two particles", "as of particle and surface")]
+    return [(f"{name.replace('_', ' ')} of two particles", f"{value:g}")
+            for name, value in pair.items()]  # fmt: skip
 
 
 def _targets(card: Mapping) -> list[str]:

@@ -205,6 +205,20 @@ def test_no_place_is_below_one_that_it_cannot_be_below(stem, tmp_path):
         Surrogate.load(tmp_path / "b")
 
 
+@pytest.mark.parametrize(
+    ("contacts", "told"),
+    [
+        (None, {}),
+        ({"pair_interaction": None}, {"pair_interaction": None}),
+        ({"pair_interaction": {"restitution": 0.5}}, {"pair_interaction": {"restitution": 0.5}}),
+    ],
+)
+def test_a_surrogate_tells_how_particles_meet_where_it_is_known(stem, contacts, told):
+    model = read_json(f"{stem}.json"), read_arrays(f"{stem}.safetensors")
+    description, _ = with_meaning(model, True, True, contacts=contacts)
+    assert {key: description[key] for key in ("pair_interaction",) if key in description} == told
+
+
 def test_what_is_not_known_of_a_table_is_not_named(capsys, stem, tmp_path):
     model = read_json(f"{stem}.json"), read_arrays(f"{stem}.safetensors")
     write_model(*with_meaning(model, False, False), tmp_path / "a.json")

@@ -9,6 +9,7 @@ conformal intervals of its own held-out errors.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -134,6 +135,7 @@ def with_meaning(
     target_known: bool,
     cells: bool = False,
     part: str | None = None,
+    contacts: Mapping | None = None,
 ) -> tuple[dict, dict[str, np.ndarray]]:
     """Description and arrays of a surrogate that says whether its jet and target are known.
 
@@ -146,6 +148,9 @@ def with_meaning(
     jet_known, target_known : bool
     cells, part
         See `abradem.words.wear.WearTarget`; noted for a geometry alone.
+    contacts : mapping, optional
+        ``pair_interaction`` of the simulations: restitution, static_friction and rolling_friction
+        of two particles, or None where they meet each other as they meet the plate.
     """
     description, arrays = model
     place = {**({"cells": True} if cells else {}), **({"part": part} if part else {})}
@@ -154,7 +159,8 @@ def with_meaning(
         return {**one, "target": {**one["target"], "known": target_known, **place}}
 
     local = [said(one) for one in description.get("local", [])]
-    return {**said(description), "jet_known": jet_known, "local": local}, arrays
+    found = {**said(description), "jet_known": jet_known, "local": local, **(contacts or {})}
+    return found, arrays
 
 
 def with_local_wear(

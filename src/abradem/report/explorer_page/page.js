@@ -413,7 +413,7 @@
     at("about").textContent =
       `Predictions of the surrogate that learned from ${data.training_rows ?? data.cases.ids.length} cases. Everything is computed in this page.`;
     at("about").textContent += data.jet_known
-      ? " Feed, factory patch, fall height and plate have no sliders: they are those of the study, and another study has others."
+      ? " Feed, factory patch, fall height, plate and contacts between particles have no sliders: they are those of the study, and another study has others."
       : " The jet behind the cases is not known; answers are for it alone.";
     build();
     const highest = Model.highestLevel();
