@@ -3,13 +3,13 @@
     snakemake coverage --configfile config.yaml studies/fresh_cases.yaml
     python benchmarks/fresh_sets.py config.yaml studies/fresh_cases.yaml
     python benchmarks/fresh_sets.py config.yaml studies/dilute.yaml studies/tenfold.yaml \
-        --trained 200 800 --divisions 4 --targets wear_total_mean
+        --trained 200 800 --divisions 4 --tested 1000 --targets wear_total_mean
 
 A study and its fresh cases are one division of the same cases. Here they are divided at random,
 again and again, into cases to learn from (as many as the study has, or as ``--trained`` says) and
-200 of the others; the Gaussian process and its conformal intervals, without the distillation, are
-fitted to the former. As for fresh cases of a study, the shares of the latter inside their intervals
-are compared with the binomial band of each region.
+200 of the others (or as many as ``--tested`` says); the Gaussian process and its conformal
+intervals, without the distillation, are fitted to the former. As for fresh cases of a study, the
+shares of the latter inside their intervals are compared with the binomial band of each region.
 
 Not all shares of faultless intervals are in their band. The quantile of an interval rests on as
 many held-out errors as there are cases to learn from, so that its true level scatters (Vovk 2012,
@@ -45,8 +45,6 @@ from abradem.learning.regions import regions_of
 from abradem.learning.scores import r2
 from abradem.store.tables import read_table
 from abradem.surrogate.groups import jet_of
-
-TESTED = 200
 
 
 def one_division(given: WearProblem, train: np.ndarray, test: np.ndarray, folds: int, seed: int):
@@ -86,6 +84,7 @@ def main() -> None:
     parser.add_argument("files", nargs="+", help="configuration of a study")
     parser.add_argument("--divisions", type=int, default=12)
     parser.add_argument("--trained", type=int, nargs="+", help="numbers of cases to learn from")
+    parser.add_argument("--tested", type=int, default=200, help="number of the others")
     parser.add_argument("--targets", nargs="+", default=["wear_friction_p99", "wear_friction_mean"])
     asked = parser.parse_args()
     config = read_config(*asked.files)
@@ -94,8 +93,9 @@ def main() -> None:
     tables = [read_table(path) for path in paths if path.is_file()]
     rows = pd.concat(tables, ignore_index=True)
     sizes = asked.trained or [len(tables[0])]
-    if max(sizes) + TESTED > len(rows):
-        parser.error(f"--trained {max(sizes)}: {len(rows)} cases leave fewer than {TESTED} to test")
+    tested = asked.tested
+    if max(sizes) + tested > len(rows):
+        parser.error(f"--trained {max(sizes)}: {len(rows)} cases leave fewer than {tested} to test")
     folds = config.learning.physical.interval_folds
     for target in asked.targets:
         given = problem(rows, jet_of(setup_dict(config)), target)
@@ -103,7 +103,7 @@ def main() -> None:
             inside, regions, verdicts, scores = [], [], [], []
             for division in range(asked.divisions):
                 order = np.random.default_rng(division).permutation(len(rows))
-                train, test = np.sort(order[TESTED:][:size]), np.sort(order[:TESTED])
+                train, test = np.sort(order[tested:][:size]), np.sort(order[:tested])
                 found = one_division(given, train, test, folds, config.seed)
                 for kept, one in zip((inside, regions, verdicts, scores), found, strict=True):
                     kept.append(one)
