@@ -173,6 +173,25 @@ def test_impossible_options_are_named():
 # Search
 
 
+def test_the_published_search_scales_the_wear_only_where_the_paper_did():
+    """As it is in the search, standardised over all rows in the final training; features always."""
+    table = learning_table(linear_law(60, 0.1, 3))
+    split = ga_ann.published_network_split(table)
+    wear, features = table.target, table.features[:, split.columns]
+    mean, scale = features.mean(axis=0), features.std(axis=0)
+    search = ga_ann._problem(table, split)
+    np.testing.assert_array_equal(search.y, wear[split.train])
+    np.testing.assert_array_equal(search.fitness_y, wear[split.test])
+    np.testing.assert_allclose(search.x, (features[split.train] - mean) / scale, atol=1e-12)
+    of_x, of_y = split.final_scalers
+    np.testing.assert_allclose(of_y.forward(wear), (wear - wear.mean()) / wear.std(), atol=1e-12)
+    np.testing.assert_allclose(of_x.forward(features), (features - mean) / scale, atol=1e-12)
+    # Without leakage both are standardised over the rows that are trained on.
+    inner = ga_ann.leakage_free_split(table, split.train, split.test, 0.25, 12, [1, 2])
+    fitted = ga_ann._problem(table, inner).y
+    assert fitted.mean() == pytest.approx(0.0, abs=1e-12) and fitted.std() == pytest.approx(1.0)
+
+
 def test_the_best_never_gets_worse_and_the_search_improves():
     options = SMALL._replace(population=8, generations=15, max_neurons=60)
     gains = []
