@@ -76,7 +76,7 @@ def test_frictionless_and_weightless_cases_have_finite_groups():
 def test_the_jet_comes_from_the_set_up():
     from abradem.config import Config, setup_dict
 
-    crowded = Jet(0.475, 9.81, 45.0, None, 0.09, 0.09, "arc", 0.31)
+    crowded = Jet(0.475, 9.81, 43.0, None, 0.09, 0.09, "arc", 0.31)
     assert jet_of(setup_dict(Config(study="a"))) == crowded
 
 
