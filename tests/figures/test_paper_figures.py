@@ -17,6 +17,7 @@ from PIL import Image
 from tables import product_law
 
 from abradem.config import load_config, typical_case
+from abradem.dem.model import Interaction
 from abradem.figures import style
 from abradem.figures.angles import angles_figure
 from abradem.figures.architecture import architecture_figure
@@ -290,6 +291,20 @@ def test_the_generation_of_data_follows_the_rules(graph, setup):
     for part in ("draw parameter sets", "simulate", "wear rates", "data set", "Latin hypercube"):
         assert part in words
     assert ("steady for 2 s" in words) == (setup is not None)
+    assert_fit_to_print(figure)
+
+
+@pytest.mark.parametrize(
+    ("pair", "told"),
+    [
+        (None, "pairs: as particle and plate; step"),
+        (Interaction(0.35, 0.56, 0.05), "pairs: $e$ 0.35, $\\mu_s$ 0.56, $\\mu_r$ 0.05; step"),
+    ],
+)
+def test_the_flow_chart_says_how_particles_meet(graph, pair, told):
+    setup = replace(SETUP, pair_interaction=pair)
+    figure = generation_figure(graph, STUDY, setup)
+    assert told in texts(figure)
     assert_fit_to_print(figure)
 
 

@@ -179,6 +179,7 @@ def test_the_card_tells_how_particles_meet(pair, words):
     assert card["jet"]["pair_interaction"] == pair
     cells = Rows(card_page(card)).cells
     assert all(row in cells for row in words)
+    assert "contacts between particles are fixed" in card["not_intended"][0]
     assert not any("two particles" in cell for row in Rows(card_page(
         model_card(SURROGATE, INTERVALS, RANGES))).cells for cell in row)  # fmt: skip
 

@@ -65,6 +65,7 @@ class _Parser(argparse.ArgumentParser):
     def __init__(self, *args, **options):
         super().__init__(*args, **options)
         # -5mm is a value as -5 is, and not an unknown option: no option begins with a digit.
+        # argparse has no public way to say so; a test tells if this one is gone.
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def parse_args(self, args=None, namespace=None):

@@ -213,7 +213,7 @@ class Simulation(Section):
     contact: Contact = Field(default_factory=Contact, description="Options of the contact law.")
     pair_interaction: PairInteraction | None = Field(
         default_factory=PairInteraction,
-        description="Contact between particles; null: the sampled values of particle and plate.",
+        description="Contact between particles; null: that of particle and plate applies.",
     )
     stop: Stop = Field(default_factory=Stop, description="When a simulation ends.")
     max_failed_share: float = setting(

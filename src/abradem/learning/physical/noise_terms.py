@@ -29,15 +29,12 @@ GENTLE = 0.3
 STEEPEST = np.radians(89.0)
 """Angle from which on the tangent grows without bound; the terms of the angle are 0 there."""
 
-NOISE_TERMS = ("flatness", "log_froude", "log_size")
-"""Names of the columns of `noise_terms`."""
-
 ERROR_TERMS = ("flat_plate", "gentle_slope", "log_froude", "log_size")
 """Names of the columns of `error_terms`."""
 
 
 def noise_terms(groups: np.ndarray) -> np.ndarray:
-    """Terms of the noise, shape (n, 3), of rows with groups (n, 10)."""
+    """Terms of the noise (flatness, ln Fr, ln R/H), shape (n, 3), of rows with groups (n, 10)."""
     tangent, speed, size = _tangent_speed_size(groups)
     return np.column_stack([np.exp(-tangent / FLATNESS), speed, size])
 
